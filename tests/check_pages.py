@@ -19,9 +19,6 @@ import os
 import re
 import sys
 
-# Pages that may have long lines.
-NOT_YET_WRAPPED = ["tools/web/README.md"]
-
 MOST_LINE, MOST_PROSE = 400, 110
 FOLDERS = ("format", "codec", "decoder_glsl", "corpus", "tools", "tests")
 SLASH_COMMENTS = (".h", ".cpp", ".c", ".inl", ".inc", ".glsl", ".comp", ".frag", ".vert", ".js", ".mjs", ".ts")
@@ -141,8 +138,7 @@ class Checker:
             self.check_link(page, prose, match)
         for match in re.finditer(r"`([^`]+)`", prose):
             self.check_code_span(page, prose, match)
-        if page not in NOT_YET_WRAPPED:
-            self.check_lines(page, text)
+        self.check_lines(page, text)
 
     def check_section(self, path, text, at, number):
         section = re.sub(r"parts?\s+", "part ", number)

@@ -20,7 +20,8 @@ export class Browser {
                 this.hear(JSON.parse(rest.subarray(0, end)));
         });
         this.process.stdio[3].on('error', () => {});
-        this.gone = new Promise((_, reject) => this.process.on('exit', code => reject(Error(`Chromium ended (${code})`))));
+        this.gone =
+            new Promise((_, reject) => this.process.on('exit', code => reject(Error(`Chromium ended (${code})`))));
         this.gone.catch(() => {});
     }
 
@@ -28,7 +29,8 @@ export class Browser {
         if (message.method === 'Runtime.consoleAPICalled')
             this.said.push(message.params.args.map(a => a.value ?? a.description).join(' '));
         if (message.method === 'Runtime.exceptionThrown')
-            this.said.push(message.params.exceptionDetails.exception?.description ?? message.params.exceptionDetails.text);
+            this.said.push(message.params.exceptionDetails.exception?.description ??
+                           message.params.exceptionDetails.text);
         const answer = this.answers.get(message.id);
         if (!answer)
             return;
@@ -48,7 +50,8 @@ export class Browser {
     async open(url, width = 640, height = 480, ratio = 1) {
         const old = this.target;
         this.target = (await this.send('Target.createTarget', {url: 'about:blank'}, null)).targetId;
-        this.session = (await this.send('Target.attachToTarget', {targetId: this.target, flatten: true}, null)).sessionId;
+        this.session =
+            (await this.send('Target.attachToTarget', {targetId: this.target, flatten: true}, null)).sessionId;
         if (old)
             await this.send('Target.closeTarget', {targetId: old}, null);
         this.said = [];
@@ -57,12 +60,14 @@ export class Browser {
         await this.send('Page.navigate', {url});
     }
     resize(width, height, ratio = 1) {
-        return this.send('Emulation.setDeviceMetricsOverride', {width, height, deviceScaleFactor: ratio, mobile: false});
+        return this.send('Emulation.setDeviceMetricsOverride',
+                         {width, height, deviceScaleFactor: ratio, mobile: false});
     }
 
     // Evaluates an expression in the page and awaits promises.
     async evaluate(expression) {
-        const {result, exceptionDetails} = await this.send('Runtime.evaluate', {expression, awaitPromise: true, returnByValue: true});
+        const {result, exceptionDetails} =
+            await this.send('Runtime.evaluate', {expression, awaitPromise: true, returnByValue: true});
         if (exceptionDetails)
             throw Error(exceptionDetails.exception?.description ?? exceptionDetails.text);
         return result.value;
@@ -73,7 +78,8 @@ export class Browser {
                 return;
             await new Promise(wake => setTimeout(wake, 25));
         }
-        throw Error(`${what}: not within ${seconds} s; the page says: ${await this.note()}; console: ${this.said.join(' | ')}`);
+        throw Error(`${what}: not within ${seconds} s; the page shows: ${await this.note()}; ` +
+                    `console: ${this.said.join(' | ')}`);
     }
     note() {
         return this.evaluate(`document.getElementById('note')?.textContent`);
@@ -107,7 +113,8 @@ export class Browser {
     async drag(from, to) {
         await this.mouse('mousePressed', ...from, {buttons: 1});
         for (const part of [0.25, 0.5, 0.75, 1])
-            await this.mouse('mouseMoved', from[0] + (to[0] - from[0]) * part, from[1] + (to[1] - from[1]) * part, {buttons: 1});
+            await this.mouse('mouseMoved', from[0] + (to[0] - from[0]) * part, from[1] + (to[1] - from[1]) * part,
+                             {buttons: 1});
         await this.mouse('mouseReleased', ...to);
     }
     // Moves touching fingers from the positions `from` to the positions `to`.

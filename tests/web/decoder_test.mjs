@@ -12,7 +12,8 @@ import {movingColour, texelsOf} from './textures.mjs';
 
 const [modulePath, wasmPath, tool, goldenFolder, scratch] = process.argv.slice(2);
 const moduleUrl = pathToFileURL(path.resolve(modulePath)).href;
-const {loadTessera, httpSource} = await import(moduleUrl);
+const {loadTessera, httpSource, ALPHA, ANGULAR_MAP, PRIMARIES, PROXY, SAMPLE_TYPE, SURFACE_MAP, TRANSFER} =
+    await import(moduleUrl);
 const wasm = fs.readFileSync(wasmPath);
 const codec = await loadTessera(wasm);
 
@@ -58,7 +59,8 @@ function bake(name, ...words) {
     run('bake', 'composed', '-o', file, '--spp', '1', '-q', ...words);
     return file;
 }
-const layered = bake('layered.tess', '--size', '40x24x12x10', '--tile', '16x16x4x4', '--layers', '--max-error', '0', '--effort', '1');
+const layered = bake('layered.tess', '--size', '40x24x12x10', '--tile', '16x16x4x4', '--layers', '--max-error', '0',
+                     '--effort', '1');
 const mesh = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.5', '--directions', '4x4', '--effort', '2');
 // Moving views with noise, so that the file is larger than one read.
 function movingViews(name, size) {
@@ -69,7 +71,8 @@ function movingViews(name, size) {
     }));
     const raw = path.join(scratch, 'views.rgb'), file = path.join(scratch, name);
     fs.writeFileSync(raw, texels);
-    run('encode', raw, '--size', size.join('x'), '--tile', '16x16x4x3', '--max-error', '0', '--effort', '2', '-o', file, '-q');
+    run('encode', raw, '--size', size.join('x'), '--tile', '16x16x4x3', '--max-error', '0', '--effort', '2', '-o', file,
+        '-q');
     return file;
 }
 const aligned = movingViews('aligned.tess', [48, 40, 4, 3]);
@@ -81,7 +84,7 @@ assert(files.length >= 15);
 
 // The picture that WebGL samples, built texel by texel. Null for half floats.
 function expectedAtlas(file, texels) {
-    const {size: [U, V, S, T], channels, type} = file.info;
+    const {size: [U, V, S, T], channels, sampleType} = file.info;
     const out = new Uint8Array(U * V * S * T * 4);
     let at = 0;
     for (let v = 0; v < V; ++v)
@@ -93,7 +96,7 @@ function expectedAtlas(file, texels) {
                         out[to + c] = texels[at + (channels > 2 ? c : 0)];
                     out[to + 3] = channels % 2 === 0 ? texels[at + channels - 1] : 255;
                 }
-    return type === 'unorm8' ? out : null;
+    return sampleType === SAMPLE_TYPE.unorm8 ? out : null;
 }
 
 const tests = {
@@ -213,17 +216,37 @@ const tests = {
 
     async infoDescribesTheFile() {
         const sphere = codec.openBytes(fs.readFileSync(layered)).info;
-        assert.equal(sphere.proxy, 'sphere');
-        assert.equal(sphere.angularMap, 'hemisphere-alpha-beta');
-        assert(sphere.radius > 0 && !sphere.inside && sphere.transfer === 'srgb');
+        assert.deepEqual([sphere.proxy, sphere.surfaceMap, sphere.angularMap],
+                         [PROXY.sphere, SURFACE_MAP.sphereLongitudeLatitude, ANGULAR_MAP.hemisphereAlphaBeta]);
+        assert.deepEqual([sphere.transfer, sphere.alpha], [TRANSFER.srgb, ALPHA.none]);
+        assert(sphere.radius > 0 && !sphere.inside);
+        assert.equal(codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb_half.tess'))).info.sampleType,
+                     SAMPLE_TYPE.half16);
         const plain = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb8.tess'))).info;
         assert.deepEqual(plain.metadata, {Software: 'golden', Title: 'rgb8.tess'});
         const packed = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb8_views.tess'))).info;
         assert.equal(packed.metadata, null);
         const surface = codec.openBytes(fs.readFileSync(mesh));
-        assert.equal(surface.info.proxy, 'mesh');
+        assert.deepEqual([surface.info.proxy, surface.info.surfaceMap], [PROXY.mesh, SURFACE_MAP.meshUv]);
         assert.equal(Buffer.from(surface.meshBytes().subarray(0, 5)).toString(), 'DRACO');
         assert.throws(() => surface.mesh(), /no mesh decoder/);
+    },
+
+    // The constants have the names that the library gives to the codes.
+    async constantsAreNamedLikeTheCodes() {
+        const tables = {proxy: PROXY, surfaceMap: SURFACE_MAP, angularMap: ANGULAR_MAP, transfer: TRANSFER,
+                        primaries: PRIMARIES, alpha: ALPHA};
+        const seen = new Set();
+        for (const [name] of files) {
+            const {info} = codec.openBytes(fs.readFileSync(name));
+            for (const [field, table] of Object.entries(tables)) {
+                const constant = info.names[field].replace(/-(.)/g, (_, letter) => letter.toUpperCase());
+                assert.equal(info[field], table[constant], `${name}: ${field}`);
+                seen.add(`${field} ${info[field]}`);
+            }
+        }
+        assert(seen.size > 12, [...seen].join(', '));
+        assert(Object.values(tables).every(Object.isFrozen));
     },
 
     async badCallsAreErrors() {

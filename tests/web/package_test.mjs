@@ -66,28 +66,31 @@ const [texture, width, height] = mesh.given[1].given[0].uniforms.atlas.value.giv
 assert(texture === rgba && width === 64 && height === 32);
 checkShaders(mesh.given[1]);
 assert.throws(() => three.tesseraMaterial(THREE, sphere.info, new Uint8Array(4)), /16x8x4x4/);
-assert.throws(() => three.tesseraSurface(THREE, sphere.info, rgba, {}), /not on a mesh/);
+assert.throws(() => three.tesseraSurface(THREE, sphere.info, rgba, {}), /not a mesh/);
 
 const surface = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.25', '--directions', '4x4');
 const [U, V] = surface.info.size, pixels = surface.atlas([0, U, 0, V]);
 const geometry = {attributes: {position: 1, normal: 1, uv: 1, tangent: 1}};
 checkShaders(three.tesseraSurface(THREE, surface.info, pixels, geometry).given[1]);
 assert.throws(() => three.tesseraSurface(THREE, surface.info, pixels, {attributes: {position: 1}}), /no normal/);
-assert.throws(() => three.tesseraSphere(THREE, surface.info, pixels), /not on a sphere/);
+assert.throws(() => three.tesseraSphere(THREE, surface.info, pixels), /not a sphere/);
 console.log(`ok material${glslang === undefined ? ' (no glslangValidator: shaders are not checked)' : ''}`);
 
 fs.writeFileSync(path.join(scratch, 'user.ts'), `
-    import {loadTessera, type Info, type TessFile} from '${about.name}';
+    import {loadTessera, PROXY, type Info, type TessFile} from '${about.name}';
     import {tesseraSphere} from '${about.name}/three';
     export async function show(THREE: {[name: string]: any}, url: string): Promise<unknown> {
         const file: TessFile = await (await loadTessera(fetch('tessera.wasm'))).openUrl(url, {tries: 2});
         const info: Info = file.info;
+        if (info.proxy !== PROXY.sphere)
+            throw new Error(info.names.proxy);
         // @ts-expect-error: four numbers are needed
         await file.fetchAtlas([0, 1]);
         return tesseraSphere(THREE, info, await file.fetchAtlas([0, info.size[0], 0, info.size[1]]));
     }`);
-const tsc = spawnSync('tsc', ['--noEmit', '--strict', '--target', 'es2022', '--module', 'nodenext', '--moduleResolution',
-                              'nodenext', '--lib', 'es2022,dom', 'user.ts'], {cwd: scratch, encoding: 'utf8'});
+const tscOptions = ['--noEmit', '--strict', '--target', 'es2022', '--module', 'nodenext', '--moduleResolution',
+                    'nodenext', '--lib', 'es2022,dom'];
+const tsc = spawnSync('tsc', [...tscOptions, 'user.ts'], {cwd: scratch, encoding: 'utf8'});
 if (tsc.error)
     console.log('types were not checked: there is no tsc');
 else

@@ -5,7 +5,8 @@ export function readPng(file) {
     const parts = [];
     let width, height, channels;
     for (let at = 8; at < file.length;) {
-        const length = file.readUInt32BE(at), kind = file.toString('latin1', at + 4, at + 8), data = file.subarray(at + 8, at + 8 + length);
+        const length = file.readUInt32BE(at), kind = file.toString('latin1', at + 4, at + 8);
+        const data = file.subarray(at + 8, at + 8 + length);
         if (kind === 'IHDR')
             [width, height, channels] = [data.readUInt32BE(0), data.readUInt32BE(4), data[9] === 6 ? 4 : 3];
         if (kind === 'IDAT')

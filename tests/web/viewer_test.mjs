@@ -31,20 +31,28 @@ function planarColour(u, v, s, t) {
 function makeTextures() {
     const quick = ['--spp', '1', '--effort', '0', '-q'];
     tessera('bake', 'composed', '-o', inFolder('sphere.tess'), '--size', '64x32x16x16', '--layers', ...quick);
-    tessera('bake', 'composed', '-o', inFolder('inside.tess'), '--proxy', 'sphere-inside:0,1.1,0,0.4', '--size', '64x32x8x8', ...quick);
-    tessera('bake', 'composed', '-o', inFolder('mesh.tess'), '--proxy', 'mesh', '--density', '6', '--directions', '8x8', ...quick);
-    for (const [name, colour, ...more] of [['planar', planarColour, '0'], ['aligned', movingColour, '2', '--tile', '16x16x3x5']]) {
+    tessera('bake', 'composed', '-o', inFolder('inside.tess'), '--proxy', 'sphere-inside:0,1.1,0,0.4', '--size',
+            '64x32x8x8', ...quick);
+    tessera('bake', 'composed', '-o', inFolder('mesh.tess'), '--proxy', 'mesh', '--density', '6', '--directions', '8x8',
+            ...quick);
+    for (const [name, colour, ...more] of [['planar', planarColour, '0'],
+                                           ['aligned', movingColour, '2', '--tile', '16x16x3x5']]) {
         writeFileSync(inFolder(`${name}.rgb`), texelsOf([48, 36, 5, 5], colour));
-        tessera('encode', inFolder(`${name}.rgb`), '--size', '48x36x5x5', '--angular-map', 'planar-views', '-o', inFolder(`${name}.tess`), '-q', '--effort', ...more);
+        tessera('encode', inFolder(`${name}.rgb`), '--size', '48x36x5x5', '--angular-map', 'planar-views', '-o',
+                inFolder(`${name}.tess`), '-q', '--effort', ...more);
     }
 }
 
-const options = pose => ['eye', 'look', 'fov', 'focus', 'rays'].map(name => [`--${name}`, pose[name]]).flatMap(([name, value]) => value === undefined ? [] : [`${name}=${value}`]);
+const options = pose => ['eye', 'look', 'fov', 'focus', 'rays']
+                            .map(name => [`--${name}`, pose[name]])
+                            .flatMap(([name, value]) => value === undefined ? [] : [`${name}=${value}`]);
 function rendered(name, pose, size = '200x150') {
-    execFileSync(renderer, ['render', inFolder(name), '-o', inFolder('v.png'), '--pixels', size, '-q', ...options(pose)]);
+    execFileSync(renderer,
+                 ['render', inFolder(name), '-o', inFolder('v.png'), '--pixels', size, '-q', ...options(pose)]);
     return readPng(readFileSync(inFolder('v.png')));
 }
-const hash = (pose, size = '200x150') => `#size=${size}` + Object.entries(pose).map(([name, value]) => `&${name}=${value}`).join('');
+const hash = (pose, size = '200x150') =>
+    `#size=${size}` + Object.entries(pose).map(([name, value]) => `&${name}=${value}`).join('');
 
 function agrees(picture, png, what) {
     const {share, most, psnr} = compared(picture, png);
@@ -59,19 +67,22 @@ const tests = {
         const inside = {eye: '0.1,1.15,0.05', look: '1,0.3,1.2', fov: 80};
         // The mesh is drawn larger, because pixels at its edges, where rasterising and ray casting
         // differ, are a smaller share of a larger picture.
-        for (const [name, size, ...poses] of [['sphere', '200x150', {}, {eye: '0.5,10,0.2'}], ['inside', '200x150', inside],
+        for (const [name, size, ...poses] of [['sphere', '200x150', {}, {eye: '0.5,10,0.2'}],
+                                              ['inside', '200x150', inside],
                                               ['mesh', '400x300', {}, {eye: '30,18,9', fov: 12, rays: 1}]]) {
             tessera('view', inFolder(`${name}.tess`), '-o', inFolder(`${name}.html`), '-q');
             for (const pose of poses) {
                 await browser.open(`file://${inFolder(name)}.html${hash(pose, size)}`);
-                agrees(await browser.picture(), rendered(`${name}.tess`, pose, size), `${name} ${JSON.stringify(pose)}`);
+                agrees(await browser.picture(), rendered(`${name}.tess`, pose, size),
+                       `${name} ${JSON.stringify(pose)}`);
             }
         }
     },
 
     async 'viewer and decoder stay within their size budget'() {
         const page = readFileSync(inFolder('sphere.html'), 'latin1');
-        const own = page.replace(/<script type="text\/plain" id="(file|data)">[^<]*/g, '').replace(/base64,[^"]*/, '').length;
+        const own =
+            page.replace(/<script type="text\/plain" id="(file|data)">[^<]*/g, '').replace(/base64,[^"]*/, '').length;
         console.log(`viewer and decoder: ${own} bytes of a page of ${page.length}`);
         assert(own < pageBudget, `${own} bytes`);
         assert(!/(src|href)="(?!data:)/.test(page), 'the page loads another resource');
@@ -95,7 +106,8 @@ const tests = {
         const pose = () => browser.evaluate('tessera.pose');
         await browser.drag([100, 75], [60, 75]);
         const moved = await browser.picture();
-        assert(compared(moved, {...middle, channels: 4, pixels: middle.rgba}).share < 0.9, 'dragging showed no parallax');
+        assert(compared(moved, {...middle, channels: 4, pixels: middle.rgba}).share < 0.9,
+               'dragging showed no parallax');
         if (spawnSync(renderer, ['render', inFolder('planar.tess'), '-o', inFolder('v.png'), '-q']).status === 5)
             console.log('        (this tool renders no planar views: not compared)');
         else {
@@ -115,7 +127,8 @@ const tests = {
         const focused = await browser.picture(), {disparity, reach} = await pose();
         assert.equal(disparity.toFixed(3), '2.000');
         assert(reach > 1.5);
-        assert(compared(focused, {...middle, channels: 4, pixels: middle.rgba}).share < 0.9, 'focus and aperture did not change the picture');
+        assert(compared(focused, {...middle, channels: 4, pixels: middle.rgba}).share < 0.9,
+               'focus and aperture did not change the picture');
     },
 
     async 'input: drag, wheel, keys, touch, reset'(browser) {
@@ -123,15 +136,18 @@ const tests = {
         await browser.picture();
         await browser.drag([200, 150], [260, 170]);
         await browser.mouse('mouseWheel', 200, 150, {deltaX: 0, deltaY: -150});
-        const picture = await browser.picture(); // read before the pose, because events may arrive late on a busy machine
+        // The picture is read before the pose, because events may arrive late on a busy machine.
+        const picture = await browser.picture();
         const {eye, look} = await browser.evaluate('tessera.pose');
         assert(Math.hypot(...eye) < 9 && Math.abs(eye[2]) > 2 && eye[1] > 0.5, `${eye}`);
-        agrees(picture, rendered('mesh.tess', {eye: eye.join(), look: look.join(), rays: 1}, '400x300'), 'mesh after drag and wheel');
+        agrees(picture, rendered('mesh.tess', {eye: eye.join(), look: look.join(), rays: 1}, '400x300'),
+               'mesh after drag and wheel');
         await browser.key('i');
         await browser.until(`document.getElementById('figures').textContent.includes('tiles')`, 'figures');
         await browser.key('ArrowLeft');
         assert.notDeepEqual(await browser.evaluate('tessera.pose.eye'), eye);
-        const distance = () => browser.evaluate('Math.hypot(...tessera.pose.eye.map((x, i) => x - tessera.pose.look[i]))');
+        const distance = () =>
+            browser.evaluate('Math.hypot(...tessera.pose.eye.map((x, i) => x - tessera.pose.look[i]))');
         const before = await distance();
         await browser.fingers([[180, 150], [220, 150]], [[140, 150], [260, 150]]);
         assert(await distance() < 0.6 * before, 'spreading two fingers did not move the camera nearer');
@@ -144,7 +160,8 @@ const tests = {
         await browser.picture();
         assert.deepEqual(await browser.evaluate('[tessera.gl.canvas.width, tessera.gl.canvas.height]'), [240, 180]);
         await browser.resize(90, 120, 1);
-        await browser.until('tessera.gl.canvas.width === 90 && tessera.gl.canvas.height === 120', 'the canvas follows the window');
+        await browser.until('tessera.gl.canvas.width === 90 && tessera.gl.canvas.height === 120',
+                            'the canvas follows the window');
         assert(hasContent(await browser.picture()));
     },
 
@@ -152,12 +169,14 @@ const tests = {
         const page = readFileSync(inFolder('sphere.html'), 'latin1');
         const file = readFileSync(inFolder('sphere.tess'));
         file[20] ^= 255; // in the header
-        writeFileSync(inFolder('damaged.html'), page.replace(/id="file">[^<]*/, `id="file">${file.toString('base64')}`), 'latin1');
+        writeFileSync(inFolder('damaged.html'), page.replace(/id="file">[^<]*/, `id="file">${file.toString('base64')}`),
+                      'latin1');
         await browser.open(`file://${inFolder('damaged.html')}`);
         await browser.until(`document.getElementById('note')?.classList.contains('error')`, 'a message');
         assert.match(await browser.note(), /header|damaged|checksum/i);
         await browser.open('about:blank');
-        await browser.send('Page.addScriptToEvaluateOnNewDocument', {source: 'HTMLCanvasElement.prototype.getContext = () => null'});
+        await browser.send('Page.addScriptToEvaluateOnNewDocument',
+                           {source: 'HTMLCanvasElement.prototype.getContext = () => null'});
         await browser.send('Page.enable');
         await browser.send('Page.navigate', {url: `file://${inFolder('sphere.html')}`});
         await browser.until(`document.getElementById('note')?.classList.contains('error')`, 'a message');
@@ -169,14 +188,16 @@ const tests = {
         try {
             await browser.open(`${line.url}?f=sphere.tess${hash({}).replace('#', '#parts&cache=1.6&')}`);
             agrees(await browser.picture(), rendered('sphere.tess', {}), 'sphere from a server');
-            const {slots, tiles, first, coarse} = await browser.evaluate(`({slots: tessera.cache.slots, tiles: tessera.cache.grid.tiles,
+            const {slots, tiles, first, coarse} =
+                await browser.evaluate(`({slots: tessera.cache.slots, tiles: tessera.cache.grid.tiles,
                 coarse: !!tessera.renderer.coarse, first: tessera.source.asked})`);
             assert(slots < tiles && coarse, `${slots} of ${tiles}`);
             assert(line.broken > 0 && first > line.broken, 'lost requests were not repeated');
             for (const pose of [{eye: '-10,0,0'}, {}]) { // there and back, so that tiles are replaced in the cache
                 await browser.evaluate(`location.hash = '${hash(pose).replace('#', '#parts&cache=1.6&')}'`);
                 await browser.until(`tessera.pose.eye.join() === '${pose.eye ?? '10,0,0'}'`, 'the hash is followed');
-                agrees(await browser.picture(), rendered('sphere.tess', pose), `sphere from a server ${JSON.stringify(pose)}`);
+                agrees(await browser.picture(), rendered('sphere.tess', pose),
+                       `sphere from a server ${JSON.stringify(pose)}`);
             }
         } finally {
             line.close();
@@ -212,8 +233,11 @@ async function badLine(server) {
             return request.socket.destroy();
         }
         const {range} = request.headers;
-        const answer = await fetch(server.replace(/\/$/, '') + request.url, {headers: {'accept-encoding': 'identity', ...(range && {range})}});
-        response.writeHead(answer.status, Object.fromEntries([...answer.headers].filter(([name]) => !/^(connection|keep-alive|transfer-encoding)$/.test(name))));
+        const answer = await fetch(server.replace(/\/$/, '') + request.url,
+                                   {headers: {'accept-encoding': 'identity', ...(range && {range})}});
+        const ofConnection = /^(connection|keep-alive|transfer-encoding)$/;
+        const headers = [...answer.headers].filter(([name]) => !ofConnection.test(name));
+        response.writeHead(answer.status, Object.fromEntries(headers));
         response.end(Buffer.from(await answer.arrayBuffer()));
     });
     await new Promise(ready => proxy.listen(0, '127.0.0.1', ready));

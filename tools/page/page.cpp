@@ -15,7 +15,19 @@ std::string_view text_of(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// Removes comment lines and indentation, which browsers do not need.
+// The line without a comment at its end. Quoted text may contain the same characters.
+std::string_view without_trailing_comment(std::string_view line) {
+    const std::size_t at = line.find(" // ");
+    if (at == line.npos)
+        return line;
+    const std::string_view code = line.substr(0, at);
+    for (const char quote : {'\'', '"', '`'})
+        if (std::ranges::count(code, quote) % 2 != 0)
+            return line;
+    return code.substr(0, code.find_last_not_of(' ') + 1);
+}
+
+// Removes comments and indentation, which browsers do not need.
 std::string without_comments(std::string_view text) {
     std::string out;
     while (!text.empty()) {
@@ -23,8 +35,11 @@ std::string without_comments(std::string_view text) {
         std::string_view line = text.substr(0, end);
         text.remove_prefix(end);
         line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
-        if (!line.starts_with("//") && line != "\n")
-            out += line;
+        if (line.starts_with("//") || line == "\n")
+            continue;
+        if (line.ends_with('\n'))
+            line.remove_suffix(1);
+        out.append(without_trailing_comment(line)).push_back('\n');
     }
     return out;
 }
@@ -58,7 +73,7 @@ Status append_base64(ByteSource& file, const PageSink& append) {
 }
 
 struct Kit {
-    std::string_view page;           // page.html
+    std::string page;                // page.html
     std::vector<std::byte> packed;   // the other files, gzip
     std::span<const std::byte> wasm; // gzip
 };
@@ -70,7 +85,7 @@ Result<Kit> make_kit() {
     std::string all;
     for (const WebFile& file : web_files()) {
         if (file.name == "page.html") {
-            kit.page = text_of(file.bytes);
+            kit.page = without_comments(text_of(file.bytes));
         } else if (file.name == "tessera.wasm.gz") {
             kit.wasm = file.bytes;
         } else {

@@ -14,7 +14,7 @@
 
 namespace tessera {
 
-// What a page with its own texture contains besides the viewer.
+// The contents of a page with its own texture, besides the viewer.
 struct PageContents {
     std::string title;
     glm::dvec3 background{0.1};       // colour around the picture, as displayed, 0..1

@@ -1,4 +1,4 @@
-// What `serve` and `view` share: a folder served over HTTP, with the viewer for its files.
+// Shared by `serve` and `view`: a folder served over HTTP, with the viewer for its files.
 #pragma once
 
 #include "tools/server/file_server.h"

@@ -1,14 +1,16 @@
-"""Renders a scene of Blender as a texture for `tessera encode` (tools/README.md). Cycles, headless:
+"""Renders a Blender scene as input for `tessera encode` (tools/README.md). Runs Cycles without a window:
     blender -b x.blend -P blender_views.py -- planar OUT/ 9x9 SPACING FOCUS WIDTHxHEIGHT
     blender -b x.blend -P blender_views.py -- sphere OUT.exr UxVxSxT RADIUS
-planar: a grid of cameras around the scene's own, whose views show the same at distance FOCUS. sphere: an
-EXR mosaic of the light that leaves a sphere around the origin. Blender's z is Tessera's y."""
+planar renders a grid of cameras around the camera of the scene and writes one PNG per view to OUT/. SPACING is the
+distance between neighbouring cameras. Objects at distance FOCUS are at the same pixels in all views.
+sphere renders the light that leaves a sphere around the origin and writes it as an EXR mosaic.
+Lengths are in Blender's units. Blender's z axis is Tessera's y axis."""
 import bpy, math, os, sys, tempfile
 from mathutils import Matrix, Vector
 
 scene = bpy.context.scene
 scene.render.engine, scene.render.use_persistent_data = 'CYCLES', True
-scene.cycles.use_denoising = False  # it guesses differently from view to view, and Debian's has none
+scene.cycles.use_denoising = False  # denoised views would not be consistent, and Debian's Blender has no denoiser
 
 def shoot(path, width, height, kind):
     scene.render.resolution_x, scene.render.resolution_y = width, height
@@ -21,7 +23,7 @@ def planar(out, grid, spacing, focus, size):
     (columns, rows), (width, height) = map(int, grid.split('x')), map(int, size.split('x'))
     camera, home = scene.camera.data, scene.camera.matrix_world.copy()
     camera.sensor_fit = 'HORIZONTAL'
-    window = float(focus) * camera.sensor_width / camera.lens  # how wide a view is at the focus
+    window = float(focus) * camera.sensor_width / camera.lens  # width of a view at the focus
     for t in range(rows):
         for s in range(columns):
             x, y = (s - (columns - 1) / 2) * float(spacing), ((rows - 1) / 2 - t) * float(spacing)
@@ -33,7 +35,7 @@ def sphere(out, size, radius):
     U, V, S, T = map(int, size.split('x'))
     eye, half, radius = bpy.data.cameras.new('place'), math.pi / 2, float(radius)
     eye.type, eye.clip_start, eye.clip_end = 'PANO', 1e-4 * radius, 2 * radius
-    eye.cycles.panorama_type = 'EQUIRECTANGULAR'  # half of it: alpha to the right, beta upwards
+    eye.cycles.panorama_type = 'EQUIRECTANGULAR'  # a hemisphere: alpha to the right, beta upwards
     eye.cycles.longitude_min, eye.cycles.longitude_max = -half, half
     eye.cycles.latitude_min, eye.cycles.latitude_max = -half, half
     scene.camera = bpy.data.objects.new('place', eye)
@@ -43,11 +45,11 @@ def sphere(out, size, radius):
         lon, lat = 2 * math.pi * (u + 0.5) / U - math.pi, math.pi * (v + 0.5) / V - half
         ez = Vector((math.sin(lon) * math.cos(lat), -math.cos(lon) * math.cos(lat), math.sin(lat)))
         ex = Vector((0, 0, 1)).cross(ez).normalized()
-        turn = Matrix((-ex, -ez.cross(ex), ez)).transposed().to_4x4()  # it looks along -ez
+        turn = Matrix((-ex, -ez.cross(ex), ez)).transposed().to_4x4()  # the camera looks along -ez
         scene.camera.matrix_world = Matrix.Translation(ez * radius) @ turn
         shoot(one, S, T, 'OPEN_EXR')
         image = bpy.data.images.load(one)
-        for t in range(T):  # Blender's rows begin at the bottom, as t does; the mosaic's at the top
+        for t in range(T):  # row 0 is at the bottom in Blender's images and for t, and at the top in the mosaic
             to = ((V * T - 1 - v * T - t) * U + u) * S * 4
             mosaic[to:to + 4 * S] = image.pixels[t * S * 4:(t + 1) * S * 4]
         bpy.data.images.remove(image)

@@ -1,8 +1,8 @@
-// What pages of `tessera view` weigh, how soon they show something, and what a frame costs beside the same frame
-// from raw texels: the table in tools/README.md.
+// Measures the pages of `tessera view`: their size, the time to the first picture, and the time of a frame relative to
+// the same frame drawn from raw texels. Prints the table of tools/README.md.
 //   node page_figures.mjs TESSERA CHROMIUM FILE.tess...
-// Frames are of 640x480 pixels, one ray each, taken in turns; a raw frame samples the decoded texels as one texture,
-// angular images side by side, with neither tiles nor pages. Medians.
+// A frame has 640x480 pixels with one ray per pixel. A raw frame samples the decoded texels as one texture with the
+// angular images side by side, without tiles and page table. Both kinds take turns; times are medians.
 import {execFileSync, spawn} from 'node:child_process';
 import {mkdtempSync, readFileSync, rmSync, statSync} from 'node:fs';
 import {tmpdir} from 'node:os';
@@ -13,7 +13,7 @@ const [tool, program, ...files] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'tessera-figures-'));
 const turns = 7;
 
-// In the page.
+// Runs in the page.
 const measureFrames = `(async turns => {
     const {gl, renderer, surface, kit, info, workers} = tessera, view = {...tessera.view(), rays: 1};
     const Program = renderer.drawing.constructor, [u, v, s, t] = info.size;
@@ -25,23 +25,28 @@ const measureFrames = `(async turns => {
         for (const name of ['TEXTURE_MIN_FILTER', 'TEXTURE_MAG_FILTER'])
             gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl[name], gl.LINEAR);
         gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, 0, u * s, v * t, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-        // What finds texels in tiles is taken out of the shaders.
+        // Replaces the functions of the shaders that look up tiles.
         const sample = \`
-            vec4 shares(vec2 w) { return vec4((1.0 - w.x) * (1.0 - w.y), w.x * (1.0 - w.y), (1.0 - w.x) * w.y, w.x * w.y); }
+            vec4 shares(vec2 w) {
+                return vec4((1.0 - w.x) * (1.0 - w.y), w.x * (1.0 - w.y), (1.0 - w.x) * w.y, w.x * w.y);
+            }
             vec4 rawImage(ivec2 uv, TsrAngularFootprint f) {
                 vec2 at = vec2(uv * size.zw + f.low) + 0.5 + f.weight * vec2(notEqual(f.low, f.high));
                 return textureLod(coarse, vec3(at / (sides.xy * sides.zw), 0.0), 0.0);
             }
-            vec4 fourImages(ivec2 low, ivec2 high, int mip, vec4 share, TsrAngularFootprint a, TsrAngularFootprint b, TsrAngularFootprint c, TsrAngularFootprint d) {
+            vec4 fourImages(ivec2 low, ivec2 high, int mip, vec4 share, TsrAngularFootprint a, TsrAngularFootprint b,
+                            TsrAngularFootprint c, TsrAngularFootprint d) {
                 low <<= mip; high <<= mip;
-                return share.x * rawImage(low, a) + share.y * rawImage(ivec2(high.x, low.y), b) + share.z * rawImage(ivec2(low.x, high.y), c) + share.w * rawImage(high, d);
+                return share.x * rawImage(low, a) + share.y * rawImage(ivec2(high.x, low.y), b) +
+                       share.z * rawImage(ivec2(low.x, high.y), c) + share.w * rawImage(high, d);
             }\`;
         const camera = \`vec4 cameraColour(ivec2 camera, vec2 at) {
                 vec2 place = clamp(at - 0.5, vec2(0.0), vec2(size.xy - 1));
                 ivec2 low = ivec2(place), high = min(low + 1, size.xy - 1);
                 vec4 share = shares(place - vec2(low));
                 #define AT(x, y) texelFetch(coarse, ivec3(ivec2(x, y) * size.zw + camera, 0), 0)
-                return share.x * AT(low.x, low.y) + share.y * AT(high.x, low.y) + share.z * AT(low.x, high.y) + share.w * AT(high.x, high.y);
+                return share.x * AT(low.x, low.y) + share.y * AT(high.x, low.y) + share.z * AT(low.x, high.y) +
+                       share.w * AT(high.x, high.y);
             }\n\`;
         const texts = name => name === 'slots.glsl' ? kit.text(name).replace(/vec4 imageColour[^]*/, sample)
             : kit.text(name).replace(/vec4 cameraColour[^]*?\\nvoid main/, camera + 'void main');
@@ -79,7 +84,8 @@ function served(file) {
 }
 
 const kB = bytes => `${(bytes / 1000).toFixed(1)} kB`, ms = time => `${time.toFixed(0)} ms`;
-console.log('| file | .tess | page (viewer and decoder) | opened from disk: first picture, whole | from a server: first picture after | frame, of a raw one |');
+console.log('| file | .tess | page (viewer and decoder) | from disk: first picture, all tiles ' +
+            '| from a server: first picture after | frame, relative to raw |');
 console.log('|---|---|---|---|---|---|');
 const browser = new Browser(program);
 try {
@@ -87,7 +93,8 @@ try {
         const page = join(folder, `${basename(file)}.html`), size = '#size=640x480';
         execFileSync(tool, ['view', file, '-o', page, '-q']);
         const text = readFileSync(page, 'latin1');
-        const own = text.replace(/<script type="text\/plain" id="(file|data)">[^<]*/g, '').replace(/base64,[^"]*/, '').length;
+        const withoutFile = text.replace(/<script type="text\/plain" id="(file|data)">[^<]*/g, '');
+        const own = withoutFile.replace(/base64,[^"]*/, '').length;
         await browser.open(`file://${page}${size}`);
         await browser.picture();
         const [first, whole] = await browser.evaluate('[tessera.page.begun, tessera.page.whole]');
@@ -95,10 +102,13 @@ try {
         const {server, url} = await served(resolve(file));
         await browser.open(url + size);
         await browser.picture();
-        const [begun, received, all] = await browser.evaluate('[tessera.page.begun, tessera.page.bytesAtFirst, tessera.source.received]');
+        const [begun, received, all] =
+            await browser.evaluate('[tessera.page.begun, tessera.page.bytesAtFirst, tessera.source.received]');
         server.kill('SIGTERM');
-        console.log(`| ${basename(file)} | ${kB(statSync(file).size)} | ${kB(text.length)} (${kB(own)}) | ${ms(first)}, ${ms(whole)} | ` +
-                    `${ms(begun)}, ${kB(received)}; in the end ${kB(all)} | ${ms(tiles)}${plain ? `, ${(tiles / plain).toFixed(2)}` : ''} |`);
+        const ratio = plain ? `, ${(tiles / plain).toFixed(2)}` : '';
+        console.log(`| ${basename(file)} | ${kB(statSync(file).size)} | ${kB(text.length)} (${kB(own)}) ` +
+                    `| ${ms(first)}, ${ms(whole)} | ${ms(begun)}, ${kB(received)}; in total ${kB(all)} ` +
+                    `| ${ms(tiles)}${ratio} |`);
     }
 } finally {
     await browser.close();

@@ -1,4 +1,4 @@
-// What a browser gets, inside the tool: the decoder, its loader, the viewer.
+// The files for browsers that the tool contains: the decoder, its loader and the viewer.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,12 @@
 namespace tessera {
 
 struct WebFile {
-    std::string_view name; // "tessera.js"
+    std::string_view name; // without folder, such as "tessera.js"
     std::span<const std::byte> bytes;
 };
 
-// tessera.wasm.gz is there only where the build had a compiler for it (tools/web/CMakeLists.txt).
+// All files. tessera.wasm.gz is among them only if the build found a compiler for WebAssembly
+// (tools/web/CMakeLists.txt). Thread-safe.
 std::span<const WebFile> web_files();
 
 } // namespace tessera

@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-// Grey, grey and alpha, RGB or RGBA of a byte a sample.
+// Converts `count` texels of grey, grey and alpha, RGB or RGBA, with one byte per sample.
 template <int channels>
 void bytes_to_rgba(const std::uint8_t* in, std::uint32_t count, std::uint8_t* out) {
     for (std::uint32_t i = 0; i < count; ++i, in += channels, out += 4) {
@@ -20,7 +20,7 @@ void bytes_to_rgba(const std::uint8_t* in, std::uint32_t count, std::uint8_t* ou
     }
 }
 
-// RGB, sixteen bytes at a time: most of what is shown.
+// The same for RGB, the most frequent case, with 128-bit vectors.
 void rgb_to_rgba(const std::uint8_t* in, std::uint32_t count, std::uint8_t* out) {
     typedef std::uint8_t Byte16 __attribute__((vector_size(16)));
     constexpr Byte16 opaque = {255};
@@ -34,14 +34,14 @@ void rgb_to_rgba(const std::uint8_t* in, std::uint32_t count, std::uint8_t* out)
                                                     16, 9, 10, 11, 16);
         std::memcpy(out, &rgba, 16);
     }
-    Byte16 rgb; // the last four, with what is before them: nothing behind them is read
+    Byte16 rgb; // starts before the last four texels, so that no byte past the end is read
     std::memcpy(&rgb, in - 4, 16);
     const Byte16 rgba = __builtin_shufflevector(rgb, opaque, 4, 5, 6, 16, 7, 8, 9, 16, 10, 11, 12,
                                                 16, 13, 14, 15, 16);
     std::memcpy(out, &rgba, 16);
 }
 
-// What every half is shown as, and as alpha.
+// For each half float, its tone-mapped colour and its value as alpha, both 0..255.
 struct HalfTables {
     std::vector<std::uint8_t> colour, alpha;
     HalfTables() : colour(65536), alpha(65536) {
@@ -71,7 +71,8 @@ void halves_to_rgba(const std::uint8_t* in, std::uint32_t count, std::uint8_t* o
     }
 }
 
-// The angular image of one place; rows of `rgba` lie `stride` bytes apart.
+// Writes the angular image of one surface position. `stride` is the number of bytes per row of
+// `rgba`.
 template <void (*write_row)(const std::uint8_t*, std::uint32_t, std::uint8_t*), int texel_bytes>
 void write_place(const std::uint8_t* texels, std::uint32_t ns, std::uint32_t nt, std::uint8_t* rgba,
                  std::size_t stride) {

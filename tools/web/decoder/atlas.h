@@ -1,4 +1,4 @@
-// Decoded texels as the picture that WebGL samples.
+// Converts decoded texels to a picture that WebGL can sample.
 #pragma once
 
 #include "format/texture.h"
@@ -10,12 +10,12 @@
 
 namespace tessera {
 
-// Takes the texels of some surface places, all directions of each, and writes RGBA with 8 bits a sample,
-// rows from the top: texel (u, v, s, t) stands at x = (u - u0) * S + s, y = (v - v0) * T + t. Grey
-// becomes RGB, alpha that is not there 255, half-floats are tone-mapped (tools/picture/tone_map.h).
+// Receives texels of a box and writes RGBA with 8 bits per sample. Texel (u, v, s, t) is at x = (u
+// - u0) * S + s, y = (v - v0) * T + t, with the row y = 0 first. Grey is copied to R, G and B,
+// missing alpha is 255, and half floats are tone-mapped (tools/picture/tone_map.h).
 class AtlasSink : public TexelSink {
 public:
-    // `box` spans all of s and t; `rgba` has 4 bytes for each of its texels and outlives the sink.
+    // `box` must span all of s and t. `rgba` has 4 bytes per texel and must outlive the sink.
     AtlasSink(const TextureDesc& desc, const Box4& box, std::span<std::byte> rgba);
     Status write(const Box4& box, std::span<const std::byte> texels) override;
 

@@ -1,5 +1,6 @@
-// What tessera.js calls. An instance of the module holds one file: closing it is to forget the instance,
-// and with it all of its memory. Calls that read bytes return an Answer; web_error() says what went wrong.
+// The functions that tessera.js calls. Each instance of the module holds one file. To close the
+// file, JavaScript drops the instance and with it all of its memory. Functions that read bytes
+// return an Answer, and web_error() returns the message of the last error.
 #include "codec/decoder.h"
 #include "tools/web/decoder/atlas.h"
 #include "tools/web/decoder/facts.h"
@@ -17,22 +18,24 @@ namespace {
 
 enum Answer : int { done = 0, failed = 1, wants_bytes = 2 };
 
-// Fetched bytes that stay for later calls.
+// Upper bound of the fetched bytes that are kept for later calls.
 constexpr std::size_t most_kept_bytes = std::size_t{64} << 20;
-// The largest result: memory of 32 bits holds it beside what it is made of.
+// Bound on the result of a call. A 32-bit address space must also hold the decoder's working
+// memory.
 constexpr std::uint64_t most_result_bytes = std::uint64_t{1} << 30;
 
 struct OpenFile {
     std::optional<RangedBytes> bytes;
     std::optional<Decoder> decoder;
-    std::vector<double> numbers; // what a call returned last
-    std::string text, error;
+    std::vector<double> numbers; // returned by the last web_facts() or web_wanted()
+    std::string text;            // returned by the last web_texts()
+    std::string error;           // message of the last error
     std::unique_ptr<std::byte[]> result;
     std::size_t result_bytes = 0;
 };
 OpenFile file;
 
-// Runs `body`, which returns a Status.
+// Runs `body`, which returns a Status, and converts its result.
 template <class Body> Answer answer(const Body& body) {
     file.bytes->forget_wanted();
     const Status status = body();
@@ -48,10 +51,10 @@ const ContainerReader& container() {
     return file.decoder->container();
 }
 
-// In place of a level: the grid of level 0's tiles (FORMAT.md part 2).
+// Replaces the number of a level: the box is in the grid of level 0's tiles (FORMAT.md part 2).
 constexpr std::uint32_t of_grid = 0xFFFFFFFF;
 
-// box: begin of u, v, s, t, then end.
+// box: the 4 begins along u, v, s, t, then the 4 ends. Errors: bad_argument.
 Result<Box4> checked_box(std::uint32_t level, const std::uint32_t* box) {
     if (level != of_grid && level >= container().levels().size())
         return Status(ErrorCode::bad_argument, "there is no level " + std::to_string(level));
@@ -64,14 +67,15 @@ Result<Box4> checked_box(std::uint32_t level, const std::uint32_t* box) {
     return checked;
 }
 
-// Memory for a result, not set to anything.
+// Uninitialised memory for a result. Errors: over_budget.
 Result<std::span<std::byte>> room_for(std::uint64_t bytes) {
     if (bytes > most_result_bytes)
-        return Status(ErrorCode::over_budget,
-                      std::to_string(bytes) + " bytes are more than can be had at once (" +
-                          std::to_string(most_result_bytes) + "): ask for parts");
+        return Status(ErrorCode::over_budget, "the result has " + std::to_string(bytes) +
+                                                  " bytes, more than the limit of " +
+                                                  std::to_string(most_result_bytes) +
+                                                  ": read the box in parts");
     if (bytes > file.result_bytes) {
-        file.result.reset(); // first: both may not fit
+        file.result.reset(); // freed first, because both together may not fit
         file.result_bytes = static_cast<std::size_t>(bytes);
         file.result = std::make_unique_for_overwrite<std::byte[]>(file.result_bytes);
     }
@@ -84,7 +88,7 @@ Status open(const DecodeOptions& options) {
     return {};
 }
 
-// Brings the bytes of all tiles that the box touches.
+// Reads the bytes of all tiles that the box touches.
 Status fetch(std::uint32_t level, const std::uint32_t* corners) {
     TESSERA_TRY_ASSIGN(const Box4 box, checked_box(level, corners));
     if (!container().wants_prefetch())
@@ -109,7 +113,7 @@ Status read_box(std::uint32_t level, const Box4& box, std::span<std::byte> out) 
                       : file.decoder->decode_coarse_box(level, box, out);
 }
 
-// Coarse levels are small: their texels are held whole.
+// Coarse levels are small, so all of their texels are decoded before they are converted.
 Status read_atlas(std::uint32_t level, const Box4& box, std::span<std::byte> rgba) {
     AtlasSink sink(file.decoder->desc(), box, rgba);
     if (level == 0)
@@ -121,12 +125,12 @@ Status read_atlas(std::uint32_t level, const Box4& box, std::span<std::byte> rgb
 
 } // namespace
 
-// Before anything else. size: bytes of the whole file.
+// Must be called first. size: bytes of the whole file.
 WEB_EXPORT(void, web_begin)(double size) {
     file.bytes.emplace(static_cast<std::uint64_t>(size));
 }
 
-// Bytes of the file that JavaScript has brought; `bytes` is from malloc() and belongs to the file now.
+// Receives bytes of the file. `bytes` comes from malloc(), and the file takes ownership of it.
 WEB_EXPORT(void, web_keep)(double offset, std::byte* bytes, std::size_t length) {
     file.bytes->keep(static_cast<std::uint64_t>(offset), length, JsBytes(bytes));
 }
@@ -139,7 +143,8 @@ WEB_EXPORT(const char*, web_error)() {
     return file.error.c_str();
 }
 
-// Pairs of offset and length that the last call lacked; their number comes from web_wanted_count().
+// The byte ranges that the last call lacked, as pairs of offset and length. web_wanted_count() is
+// the number of pairs.
 WEB_EXPORT(const double*, web_wanted)() {
     file.numbers.clear();
     for (const MergedRead& read : file.bytes->wanted()) {
@@ -164,7 +169,7 @@ WEB_EXPORT(std::size_t, web_texts_bytes)() {
     return file.text.size();
 }
 
-// Section prxy of a file whose proxy is a mesh.
+// Section prxy, the Draco stream of a file whose proxy is a mesh; empty for other proxies.
 WEB_EXPORT(const std::byte*, web_mesh)() {
     return container().proxy_mesh().data();
 }
@@ -176,7 +181,7 @@ WEB_EXPORT(int, web_fetch)(std::uint32_t level, const std::uint32_t* box) {
     return answer([&] { return fetch(level, box); });
 }
 
-// Texels as they are, order v, u, t, s, into web_result().
+// Writes decoded texels, in the order v, u, t, s, to web_result().
 WEB_EXPORT(int, web_box)(std::uint32_t level, const std::uint32_t* corners) {
     return answer([&]() -> Status {
         TESSERA_TRY_ASSIGN(const Box4 box, checked_box(level, corners));
@@ -185,7 +190,7 @@ WEB_EXPORT(int, web_box)(std::uint32_t level, const std::uint32_t* corners) {
     });
 }
 
-// RGBA as AtlasSink says, into web_result(). The box spans all of s and t.
+// Writes RGBA in the layout of AtlasSink to web_result(). The box must span all of s and t.
 WEB_EXPORT(int, web_atlas)(std::uint32_t level, const std::uint32_t* corners) {
     return answer([&]() -> Status {
         TESSERA_TRY_ASSIGN(const Box4 box, checked_box(level, corners));

@@ -16,7 +16,7 @@ double shown_sample(std::uint16_t sample, SampleType type) {
     return type == SampleType::unorm8 ? sample / 255.0 : static_cast<double>(half_to_float(sample));
 }
 
-// There is no Zstandard here (FORMAT.md 1.3, packing 1).
+// This build cannot unpack Zstandard (FORMAT.md 1.3, packing 1).
 bool has_packed_metadata(const ContainerReader& container) {
     const std::span<const std::byte> section = container.section_bytes("meta");
     return !section.empty() && section[0] == std::byte{1};
@@ -34,9 +34,9 @@ std::vector<double> number_facts(const ContainerReader& container) {
     std::vector<double> out;
     append(out, desc.size);
     append(out, std::array{static_cast<int>(desc.type), int{desc.channels},
-                           static_cast<int>(about.proxy), static_cast<int>(about.angular_map),
-                           static_cast<int>(about.transfer), static_cast<int>(about.primaries),
-                           static_cast<int>(about.alpha)});
+                           static_cast<int>(about.proxy), static_cast<int>(about.surface_map),
+                           static_cast<int>(about.angular_map), static_cast<int>(about.transfer),
+                           static_cast<int>(about.primaries), static_cast<int>(about.alpha)});
     append(out, about.sphere_centre);
     out.push_back(about.sphere_radius);
     append(out, about.viewing_radius);
@@ -61,8 +61,13 @@ std::vector<double> number_facts(const ContainerReader& container) {
 std::string text_facts(const ContainerReader& container) {
     std::string out;
     const auto add = [&](const std::string& text) { out.append(text).push_back('\0'); };
-    add(name_of(container.description().proxy));
-    add(name_of(container.description().angular_map));
+    const Description& about = container.description();
+    add(name_of(about.proxy));
+    add(name_of(about.surface_map));
+    add(name_of(about.angular_map));
+    add(name_of(about.transfer));
+    add(name_of(about.primaries));
+    add(name_of(about.alpha));
     add(container.facts().colour);
     for (const auto& [key, value] : container.metadata()) {
         add(key);

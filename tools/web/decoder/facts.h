@@ -1,4 +1,4 @@
-// What an open file is, as JavaScript takes it: numbers in a fixed order and texts.
+// Facts about an open file in a form that JavaScript can read: an array of numbers and a string.
 #pragma once
 
 #include "codec/decoder.h"
@@ -8,18 +8,23 @@
 
 namespace tessera {
 
-// In the order that facts() of tessera.js reads: size, type, channels, proxy, angular map, transfer,
-// primaries, alpha mode, sphere's centre and radius, nearest and farthest observer, background's four
-// samples (0..1, or the half's value), bytes of the file, whether metadata is packed (0 or 1), the
-// alignment of views along u and v, size of the grid, number of levels, then of each: size, largest tile,
-// number of tiles along each axis, spatial and angular lod.
+// The numbers in the order in which _facts() of tessera.js reads them:
+//   size (4 numbers), sample type, channels, proxy, surface map, angular map, transfer, primaries
+//   and alpha mode, as FORMAT.md 1.1 numbers them
+//   centre (3) and radius of the sphere, distances of the nearest and the farthest observer
+//   background (4 samples; 0..1 for unorm8, values for half16), bytes of the file
+//   1 if the metadata is packed, else 0
+//   alignment of the views along u and v, size of the tile grid (4), number of levels
+//   for each level: size (4), largest tile (4), number of tiles along each axis (4), spatial lod,
+//   angular lod
 std::vector<double> number_facts(const ContainerReader& container);
 
-// Texels of a level; of level 0 those of the texture, not of its grid.
+// Size of a level in texels. For level 0 it is the size of the texture, not of its tile grid.
 Extent4 level_size(const ContainerReader& container, std::size_t level);
 
-// Texts, each ended by a NUL: names of proxy and angular map, colour transform, then keys and values of
-// the metadata, if it can be read.
+// Strings, each terminated by a NUL: the names of proxy, surface map, angular map, transfer,
+// primaries, alpha mode and colour transform, as `tessera info` prints them, then the keys and
+// values of the metadata. Packed metadata is left out.
 std::string text_facts(const ContainerReader& container);
 
 } // namespace tessera

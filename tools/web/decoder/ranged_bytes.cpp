@@ -25,7 +25,8 @@ void RangedBytes::shrink(std::size_t most) {
 
 bool RangedBytes::copy(std::uint64_t offset, std::span<std::byte> out) const {
     while (!out.empty()) {
-        // The last piece that begins at or before `offset`, or one before it that is longer.
+        // Finds a piece that contains `offset`: the last one that begins at or before it, or an
+        // earlier, longer one.
         auto at = pieces_.upper_bound(offset);
         std::size_t count = 0;
         while (count == 0 && at != pieces_.begin()) {

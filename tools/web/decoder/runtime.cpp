@@ -1,5 +1,6 @@
-// What the C++ library would do with text on a terminal and with exceptions: here, whatever would end the
-// program stops the instance, and tessera.js makes an Error of it.
+// Replaces the parts of the C++ runtime that would print to a terminal or throw exceptions.
+// Anything that would end the program traps, which stops the instance; tessera.js reports this as
+// an Error.
 #include <cstddef>
 #include <cstdlib>
 #include <new>

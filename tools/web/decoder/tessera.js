@@ -1,26 +1,29 @@
-// Tessera's decoder for browsers, workers and node: one ES module without dependencies.
+// Tessera's decoder for browsers, workers and node, as an ES module without dependencies.
 //
 //   const codec = await loadTessera(wasm);          // bytes, a Response, or a compiled module
 //   const file = codec.openBytes(bytes);            // a .tess file in memory
-//   const pixels = file.atlas([0, 64, 0, 32]);      // RGBA, what WebGL samples
+//   const pixels = file.atlas([0, 64, 0, 32]);      // RGBA for WebGL
 //   file.close();
 //
-// A file that lies elsewhere is read as needed: openSource(), then fetchAtlas() and fetchBox(). All that
-// goes wrong is an Error whose message is a sentence. Every file has an instance of the module to itself,
-// so a file that breaks its instance does no harm to another, and close() gives all of its memory back.
-// Types and units: tessera.d.ts.
+// openSource() and openUrl() open files that are read as needed, with fetchAtlas() and fetchBox(). Calls that fail
+// throw an Error whose message is a sentence. Each file has its own instance of the WebAssembly module: a file that
+// breaks its instance does not affect others, and close() frees all of its memory. tessera.d.ts documents the types.
 
-const proxies = ['none', 'sphere', 'mesh', 'sphere'];
-const insideSphere = 3;
-const planarViews = 2;
-const ofGrid = 0xFFFFFFFF; // in place of a level
-const transfers = ['unspecified', 'srgb', 'linear'];
-const alphaModes = ['none', 'straight', 'premultiplied'];
-// Answers of the module.
-const failed = 1, wantsBytes = 2;
+// The codes of the header's fields (FORMAT.md 1.1). A file may hold a code that no table lists.
+export const SAMPLE_TYPE = Object.freeze({unorm8: 0, half16: 1});
+export const ALPHA = Object.freeze({none: 0, straight: 1, premultiplied: 2});
+export const PROXY = Object.freeze({none: 0, sphere: 1, mesh: 2, sphereInside: 3});
+export const SURFACE_MAP = Object.freeze({none: 0, sphereLongitudeLatitude: 1, meshUv: 2});
+export const ANGULAR_MAP = Object.freeze(
+    {none: 0, hemisphereAlphaBeta: 1, planarViews: 2, octahedralHemisphere: 3, octahedralMirrored: 4});
+export const TRANSFER = Object.freeze({unspecified: 0, srgb: 1, linear: 2});
+export const PRIMARIES = Object.freeze({unspecified: 0, bt709: 1});
 
-// `wasm`: tessera.wasm as an ArrayBuffer or an array of bytes, a Response (or the promise of one), or a
-// WebAssembly.Module that another thread compiled.
+const ofGrid = 0xFFFFFFFF; // replaces the number of a level: the grid of level 0's tiles
+const failed = 1, wantsBytes = 2; // values that the module's functions return, as in exports.cpp
+
+// `wasm`: tessera.wasm as an ArrayBuffer or an array of bytes, a Response or a promise of one, or a
+// WebAssembly.Module that another thread has compiled.
 export async function loadTessera(wasm) {
     return new Codec(await compiled(await wasm));
 }
@@ -30,7 +33,7 @@ async function compiled(wasm) {
         return wasm;
     if (typeof Response !== 'undefined' && wasm instanceof Response) {
         if (!wasm.ok)
-            throw new Error(`${wasm.url}: the server answers ${wasm.status}`);
+            throw new Error(`${wasm.url}: the server responded with status ${wasm.status}`);
         wasm = await wasm.arrayBuffer();
     }
     return WebAssembly.compile(wasm);
@@ -38,10 +41,10 @@ async function compiled(wasm) {
 
 class Codec {
     constructor(module) {
-        this.module = module; // may be sent to workers
+        this.module = module; // can be posted to workers
     }
 
-    // options: {partial: accept a file that was cut off, damaged: show what is sound of a damaged one}
+    // options: {partial: accept a truncated file, damaged: replace damaged tiles}
     openBytes(bytes, options = {}) {
         bytes = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
         const file = new TessFile(this.module, bytes.length, null);
@@ -50,14 +53,14 @@ class Codec {
         return file;
     }
 
-    // source: {size, read(offset, length)}, which returns a promise of that many bytes.
+    // source: {size, read(offset, length)}; read() returns a promise of exactly `length` bytes.
     async openSource(source, options = {}) {
         const file = new TessFile(this.module, source.size, source);
         await file._withBytes(() => file._open(options));
         return file;
     }
 
-    // The file at a URL, by range requests.
+    // Opens the file at a URL with range requests.
     async openUrl(url, options = {}) {
         return this.openSource(await httpSource(url, options), options);
     }
@@ -66,24 +69,24 @@ class Codec {
 class TessFile {
     constructor(module, size, source) {
         if (!Number.isSafeInteger(size) || size < 0)
-            throw new Error(`a file has no ${size} bytes`);
+            throw new Error(`${size} is not the size of a file`);
         this._wasm = instantiate(module);
         this._source = source;
-        this._coming = new Map(); // ranges on their way
+        this._coming = new Map(); // "offset length" -> promise of a range that is being fetched
         this._call(() => this._wasm.web_begin(size));
         this._box = this._call(() => this._wasm.malloc(32));
     }
 
-    // Texels of level 0 (or another) as RGBA of 8 bits, rows from the top: texel (u, v, s, t) stands at
-    // x = (u - u0) * S + s, y = (v - v0) * T + t. `out`: an array of that size that takes them.
+    // Texels of a level as RGBA with 8 bits per sample. Texel (u, v, s, t) is at x = (u - u0) * S + s,
+    // y = (v - v0) * T + t. `out`: an array of exactly that size that receives them.
     atlas(places, out, level = 0) {
         return this._read('web_atlas', level, this._everyDirection(places, level), 4, out);
     }
-    // [u0, u1, v0, v1, s0, s1, t0, t1]: texels as they are stored, order v, u, t, s, channels adjacent.
+    // The decoded samples of the box [u0, u1, v0, v1, s0, s1, t0, t1], in the order v, u, t, s, channels together.
     box(corners, out, level = 0) {
         return this._read('web_box', level, corners, this.info.texelBytes, out);
     }
-    // The same for files of openSource(): bytes that are not here yet are fetched first.
+    // The same for files of openSource(): missing bytes are fetched first.
     async fetchAtlas(places, out, level = 0) {
         await this.fetch(this._everyDirection(places, level), level);
         return this._withBytes(() => this.atlas(places, out, level));
@@ -92,17 +95,17 @@ class TessFile {
         await this.fetch(corners, level);
         return this._withBytes(() => this.box(corners, out, level));
     }
-    // Brings the bytes of these texels, so that atlas() and box() have them.
+    // Fetches the bytes of these texels, so that atlas() and box() can read them.
     fetch(corners, level = 0) {
         return this._withBytes(() => this._ask('web_fetch', level, corners));
     }
 
-    // Like fetchBox(), of the grid of level 0's tiles (FORMAT.md part 2), which is info.gridSize texels large.
+    // Like fetchBox(), but the box is in the grid of level 0's tiles (FORMAT.md part 2), whose size is info.gridSize.
     fetchGridBox(corners, out) {
         return this.fetchBox(corners, out, ofGrid);
     }
 
-    // The whole coarsest level, as {level, width, height, rgba}; null where there is none.
+    // The whole coarsest level as {level, width, height, rgba}; null if there are no coarse levels.
     preview() {
         const level = this.info.coarse;
         return level === 0 ? null : this._picture(level, this.atlas(this._everywhere(level), undefined, level));
@@ -113,7 +116,7 @@ class TessFile {
                            : this._picture(level, await this.fetchAtlas(this._everywhere(level), undefined, level));
     }
 
-    // The Draco stream of a mesh; null where the proxy is none. There is no decoder for it here.
+    // The Draco stream of the mesh; null if the proxy is not a mesh. This module cannot decode it.
     meshBytes() {
         const length = this._call(() => this._wasm.web_mesh_bytes());
         return length === 0 ? null : this._bytes(this._wasm.web_mesh(), length).slice();
@@ -121,7 +124,7 @@ class TessFile {
     mesh() {
         if (this.meshBytes() === null)
             return null;
-        throw new Error('no mesh decoder: meshBytes() is a Draco stream');
+        throw new Error('this module has no mesh decoder: meshBytes() returns the Draco stream');
     }
 
     close() {
@@ -151,7 +154,7 @@ class TessFile {
         this.info = this._facts();
     }
 
-    // Of a call that reads, the bytes of its result.
+    // Calls a function of the module that reads texels, and returns its result.
     _read(name, level, corners, texelBytes, out) {
         this._ask(name, level, corners);
         const [u0, u1, v0, v1, s0, s1, t0, t1] = corners;
@@ -160,14 +163,14 @@ class TessFile {
         if (out === undefined)
             return bytes.slice();
         if (out.length !== length)
-            throw new Error(`the array has ${out.length} bytes, the texels ${length}`);
+            throw new Error(`the array has ${out.length} bytes, but the texels have ${length} bytes`);
         out.set(bytes);
         return out;
     }
 
     _ask(name, level, corners) {
         if (!corners.every(x => Number.isInteger(x) && x >= 0 && x < 2 ** 32))
-            throw new Error(`[${corners}] is no box of texels`);
+            throw new Error(`[${corners}] is not a box of texels`);
         const [u0, u1, v0, v1, s0, s1, t0, t1] = corners;
         this._check(this._call(() => {
             new Uint32Array(this._wasm.memory.buffer, this._box, 8).set([u0, v0, s0, t0, u1, v1, s1, t1]);
@@ -175,7 +178,7 @@ class TessFile {
         }));
     }
 
-    // Does `work`, fetching what it lacks until it lacks nothing.
+    // Repeats `work` and fetches the bytes that it lacks, until it succeeds.
     async _withBytes(work) {
         for (;;)
             try {
@@ -194,7 +197,7 @@ class TessFile {
                 try {
                     const bytes = new Uint8Array(await this._source.read(offset, length));
                     if (bytes.length !== length)
-                        throw new Error(`${bytes.length} of ${length} bytes came from offset ${offset}`);
+                        throw new Error(`the source returned ${bytes.length} of ${length} bytes at offset ${offset}`);
                     this._keep(offset, bytes);
                 } finally {
                     this._coming.delete(key);
@@ -203,12 +206,12 @@ class TessFile {
         return this._coming.get(key);
     }
 
-    // Gives bytes of the file to the module.
+    // Passes bytes of the file to the module.
     _keep(offset, bytes) {
         this._call(() => {
             const at = this._wasm.malloc(bytes.length || 1);
             if (at === 0)
-                throw new Error(`there is no memory for ${bytes.length} bytes`);
+                throw new Error(`there is not enough memory for ${bytes.length} bytes`);
             this._bytes(at, bytes.length).set(bytes);
             this._wasm.web_keep(offset, at, bytes.length);
         });
@@ -228,7 +231,7 @@ class TessFile {
         throw error;
     }
 
-    // A call that stops the instance, for want of memory above all, ends the file and is an Error.
+    // A call that stops the instance, usually because memory runs out, closes the file and throws an Error.
     _call(work) {
         if (this._wasm === null)
             throw new Error('the file is closed');
@@ -238,23 +241,22 @@ class TessFile {
             if (!(error instanceof WebAssembly.RuntimeError))
                 throw error;
             this.close();
-            throw new Error('the decoder stopped, most likely for want of memory; the file is closed',
+            throw new Error('the decoder stopped, probably because memory ran out; the file is closed',
                             {cause: error});
         }
     }
 
+    // Reads the numbers and texts in the order of facts.h.
     _facts() {
         const numbers = this._call(() => this._wasm.web_facts());
         const all = new Float64Array(this._wasm.memory.buffer, numbers);
         let next = 0;
         const take = count => Array.from(all.subarray(next, next += count));
         const size = take(4);
-        const [type, channels, proxy, angularMap, transfer, primaries, alpha] = take(7);
-        const info = {size, type: type === 0 ? 'unorm8' : 'half', channels, texelBytes: channels * (type + 1),
-                      proxy: proxy === 0 && angularMap === planarViews ? 'planar' : proxies[proxy] ?? 'unknown',
-                      inside: proxy === insideSphere, transfer: transfers[transfer] ?? 'unknown',
-                      primaries: ['unspecified', 'bt709'][primaries] ?? 'unknown',
-                      alpha: alphaModes[alpha] ?? 'unknown', centre: take(3), radius: take(1)[0],
+        const [sampleType, channels, proxy, surfaceMap, angularMap, transfer, primaries, alpha] = take(8);
+        const info = {size, sampleType, channels, texelBytes: channels * (sampleType === SAMPLE_TYPE.half16 ? 2 : 1),
+                      proxy, surfaceMap, angularMap, transfer, primaries, alpha,
+                      inside: proxy === PROXY.sphereInside, centre: take(3), radius: take(1)[0],
                       viewingRadius: take(2), background: take(4).slice(0, channels), bytes: take(1)[0]};
         const packed = take(1)[0] !== 0;
         info.alignment = take(2);
@@ -270,11 +272,10 @@ class TessFile {
         info.tiles = info.levels[0].tiles;
 
         const texts = this._call(() => this._wasm.web_texts());
-        const [proxyName, angularName, colour, ...pairs] =
-            new TextDecoder().decode(this._bytes(texts, this._wasm.web_texts_bytes())).split('\0');
-        info.proxyName = proxyName;
-        info.angularMap = angularName;
-        info.colour = colour;
+        const [...pairs] = new TextDecoder().decode(this._bytes(texts, this._wasm.web_texts_bytes())).split('\0');
+        info.names = {};
+        for (const field of ['proxy', 'surfaceMap', 'angularMap', 'transfer', 'primaries', 'alpha', 'colour'])
+            info.names[field] = pairs.shift();
         const entries = [];
         for (let i = 0; i + 1 < pairs.length; i += 2)
             entries.push([pairs[i], pairs[i + 1]]);
@@ -291,22 +292,22 @@ class TessFile {
     }
 }
 
-// The module asks nothing of its surroundings.
+// The module has no imports.
 function instantiate(module) {
     const wasm = new WebAssembly.Instance(module, {}).exports;
     wasm._initialize();
     return wasm;
 }
 
-// A file on a web server as a source for openSource(). A range that breaks off is asked for again, at
-// most `tries` times in a row (5), each time waiting twice as long.
+// A file on a web server as a source for openSource(). Each request is attempted at most `tries` times, and the wait
+// doubles after each attempt.
 export async function httpSource(url, {tries = 5, signal} = {}) {
     const ask = async (headers, method = 'GET') => {
         for (let attempt = 1;; ++attempt)
             try {
                 const response = await fetch(url, {method, headers, signal});
                 if (response.status >= 500 && attempt < tries)
-                    throw new Error(`${url}: the server answers ${response.status}`);
+                    throw new Error(`${url}: the server responded with status ${response.status}`);
                 return {response, bytes: new Uint8Array(await response.arrayBuffer())};
             } catch (error) {
                 if (attempt >= tries || error.name === 'AbortError')
@@ -314,15 +315,15 @@ export async function httpSource(url, {tries = 5, signal} = {}) {
                 await new Promise(wake => setTimeout(wake, 250 * 2 ** attempt));
             }
     };
-    const firstBytes = 8192; // what a reader asks for first
+    const firstBytes = 8192; // the first read of the module
     const {response, bytes} = await ask({Range: `bytes=0-${firstBytes - 1}`});
     if (!response.ok)
-        throw new Error(`${url}: the server answers ${response.status}`);
-    if (response.status !== 206) // all of it came
+        throw new Error(`${url}: the server responded with status ${response.status}`);
+    if (response.status !== 206) // the server sent the whole file
         return {size: bytes.length, read: async (offset, length) => bytes.subarray(offset, offset + length)};
     const size = Number(/\/(\d+)$/.exec(response.headers.get('Content-Range') ?? '')?.[1]);
     if (!Number.isSafeInteger(size))
-        throw new Error(`${url}: the server does not say how long the file is`);
+        throw new Error(`${url}: the server does not send the size of the file`);
     const version = response.headers.get('ETag') ?? response.headers.get('Last-Modified');
     return {
         size,
@@ -331,10 +332,10 @@ export async function httpSource(url, {tries = 5, signal} = {}) {
                 return bytes.subarray(offset, offset + length);
             const part = await ask({Range: `bytes=${offset}-${offset + length - 1}`});
             if (part.response.status !== 206)
-                throw new Error(`${url}: the server answers ${part.response.status} to a range`);
+                throw new Error(`${url}: the server responded to a range request with status ${part.response.status}`);
             const now = part.response.headers.get('ETag') ?? part.response.headers.get('Last-Modified');
             if (now !== version)
-                throw new Error(`${url}: the file has changed meanwhile`);
+                throw new Error(`${url}: the file has changed since it was opened`);
             return part.bytes;
         }
     };

@@ -1,5 +1,6 @@
-// Stands before every source of the WebAssembly build: Debian's libc++ for wasm32-wasi comes without
-// threads, and a decoder that runs on one needs no locks. What is asked of another thread is done at once.
+// Included before every source of the WebAssembly build. Debian's libc++ for wasm32-wasi has no
+// threads, so this header defines the classes that the decoder uses: locks do nothing, and the work
+// of a new thread runs immediately in the calling thread.
 #pragma once
 
 #include <functional>

@@ -1,9 +1,10 @@
-# Compiles with Debian's clang-19 for wasm32-wasi, beside the build that CMake does for this machine.
+# Compiles for wasm32-wasi with Debian's clang-19, in custom commands, because CMake's own targets are built for this
+# machine.
 set(tessera_wasm_packages clang-19 lld-19 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32
     libclang-rt-19-dev-wasm32 wasi-libc)
 
-# Whether a compiler, a linker, libc++ and the C library are there. The answer is kept until the compiler
-# is another one.
+# Sets `variable` to TRUE if compiler, linker, libc++ and the C library for wasm32-wasi are installed. Success is
+# cached until the compiler changes.
 function(tessera_find_wasm_compiler variable)
     find_program(TESSERA_WASM_CXX clang++-19)
     if(TESSERA_WASM_CXX AND NOT TESSERA_WASM_TRIED STREQUAL TESSERA_WASM_CXX)
@@ -12,7 +13,7 @@ function(tessera_find_wasm_compiler variable)
         execute_process(COMMAND ${TESSERA_WASM_CXX} --target=wasm32-wasi -fno-exceptions ${probe}.cpp -o ${probe}.wasm
                         RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
         if(failed EQUAL 0)
-            set(TESSERA_WASM_TRIED ${TESSERA_WASM_CXX} CACHE INTERNAL "A compiler that can")
+            set(TESSERA_WASM_TRIED ${TESSERA_WASM_CXX} CACHE INTERNAL "The compiler that passed the test")
         endif()
     endif()
     if(TESSERA_WASM_CXX AND TESSERA_WASM_TRIED STREQUAL TESSERA_WASM_CXX)
@@ -22,8 +23,8 @@ function(tessera_find_wasm_compiler variable)
     endif()
 endfunction()
 
-# What the decoder is made of, from the native targets, less what no browser has a use for: files that
-# are written, meshes (Debian has no Draco for wasm), the C interface, other processors' kernels.
+# Sets `variable` to the sources of the decoder. They are those of the native targets without the parts that browsers
+# do not need: writing files, meshes (Debian has no Draco for wasm), the C interface and other processors' kernels.
 function(tessera_wasm_sources variable)
     set(all)
     foreach(target tessera_format tessera_decoder)
@@ -31,21 +32,23 @@ function(tessera_wasm_sources variable)
         list(APPEND all ${files})
     endforeach()
     list(FILTER all INCLUDE REGEX "^/.*\\.cpp$")
-    list(FILTER all EXCLUDE REGEX "/format/(surface/|io/(output_|unfinished)|container/container_(writer|validate)|geometry|sampler)")
+    list(FILTER all EXCLUDE REGEX
+         "/format/(surface/|io/(output_|unfinished)|container/container_(writer|validate)|geometry|sampler)")
     list(FILTER all EXCLUDE REGEX "/(c_api/c_api_decode|kernels/kernels_(avx2|scalar))\\.cpp$")
     file(GLOB own CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/decoder/*.cpp)
     set(${variable} ${all} ${own} PARENT_SCOPE)
 endfunction()
 
-# tessera_wasm(OUTPUT source...): what is compiled alike is compiled as one, as CMAKE_UNITY_BUILD does it.
+# tessera_wasm(OUTPUT source...) builds a module. Sources with equal options are compiled as one source, like with
+# CMAKE_UNITY_BUILD.
 function(tessera_wasm output)
-    # Without exceptions: what would throw stops the instance (runtime.cpp). libc++ is told apart, as our
-    # own code has handlers.
+    # A throw stops the instance (runtime.cpp). -fignore-exceptions accepts the handlers in our code, but libc++ must
+    # be told separately that there are no exceptions.
     set(flags --target=wasm32-wasi -std=c++20 -msimd128 -DNDEBUG -DTESSERA_WITHOUT_ZSTD
         -fignore-exceptions -D_LIBCPP_HAS_NO_EXCEPTIONS -fno-rtti -ffp-contract=off -ffunction-sections -fdata-sections
         -fvisibility=hidden -I${PROJECT_SOURCE_DIR}
         -include ${PROJECT_SOURCE_DIR}/tools/web/decoder/threads.h)
-    # What runs once a file, or once a tile, is compiled to be small.
+    # Code that runs once per file or once per tile is optimised for size.
     set(small format format/io format/container codec/texels codec/decode)
     set(text_Oz)
     set(text_O2)

@@ -1,4 +1,4 @@
-# The GLSL of decoder_glsl that samples textures, as a module of JavaScript.
+# Writes the GLSL of decoder_glsl that samples textures as a JavaScript module.
 #   cmake "-DFILES=surface.glsl;octahedral.glsl" -DOUTPUT=sampling.js -P sampling.cmake
 set(text)
 foreach(file IN LISTS FILES)
@@ -8,4 +8,5 @@ foreach(file IN LISTS FILES)
     string(REGEX REPLACE "\n\n+" "\n" content "${content}")
     string(APPEND text "${content}")
 endforeach()
-file(WRITE ${OUTPUT} "// Made of Tessera's decoder_glsl/shaders: where textures are sampled.\nexport const sampling = `${text}`;\n")
+file(WRITE ${OUTPUT} "// Generated from Tessera's decoder_glsl/shaders: GLSL that samples textures.\n"
+                     "export const sampling = `${text}`;\n")

@@ -1,14 +1,21 @@
-// Types of tessera_three.js. `THREE` is the three.js module of whoever calls.
+// Types of tessera_three.js. `THREE` is the caller's three.js module.
 import type {Info} from './tessera.js';
 
-/** The part of three.js that is used. */
+/** The parts of three.js that are used. */
 export interface Three {
     [name: string]: any;
 }
 
-/** A RawShaderMaterial. rgba: TessFile.atlas() of all places. Errors: another proxy, another size. */
+/**
+ * A RawShaderMaterial for a texture on a sphere or a mesh. rgba: TessFile.atlas() of the whole texture. Throws if the
+ * proxy is another one or if the size of `rgba` is wrong.
+ */
 export function tesseraMaterial(THREE: Three, info: Info, rgba: Uint8Array): any;
-/** A Mesh that shows the sphere where it stands in the world. */
+/** A Mesh that shows a texture on a sphere, at its position in the world. Throws if the proxy is not a sphere. */
 export function tesseraSphere(THREE: Three, info: Info, rgba: Uint8Array): any;
-/** A Mesh of `geometry`, a BufferGeometry with position, normal, uv and, for the octahedral hemisphere, tangent. */
+/**
+ * A Mesh that shows a texture on `geometry`, a BufferGeometry with the attributes position, normal and uv, and also
+ * tangent unless the angular map is ANGULAR_MAP.octahedralMirrored. Throws if the proxy is not a mesh or if an
+ * attribute is missing.
+ */
 export function tesseraSurface(THREE: Three, info: Info, rgba: Uint8Array, geometry: any): any;

@@ -1,20 +1,21 @@
-// Tessera's textures in three.js: a material that samples the atlas of TessFile.atlas() as FORMAT.md 5.1
-// and 5.2 say, by the GLSL that the GPU decoder and the viewer use (sampling.js is made of it).
+// A three.js material for Tessera's textures. It samples the picture of TessFile.atlas() as FORMAT.md 5.1 and 5.2
+// specify. The GLSL in sampling.js is generated from the shaders of the GPU decoder, which the viewer also uses.
 //
 //   const file = codec.openBytes(bytes);
 //   scene.add(tesseraSphere(THREE, file.info, file.atlas([0, U, 0, V])));
 //
-// Colours are written as they are stored, ready for the display: no lights, no tone mapping.
+// Colours are written as they are stored, ready for the display, without lights or tone mapping.
 import {sampling} from './sampling.js';
+import {ANGULAR_MAP, PROXY} from './tessera.js';
 
-const mirrored = 'octahedral-mirrored';
+const isSphere = info => info.proxy === PROXY.sphere || info.proxy === PROXY.sphereInside;
 
 const vertexShader = `precision highp float;
 precision highp int;
 uniform mat4 modelMatrix, modelViewMatrix, projectionMatrix;
 uniform vec3 cameraPosition;
 in vec3 position;
-out vec3 place, eye; // in the object's own coordinates
+out vec3 place, eye; // in the object's coordinates
 #ifdef TESSERA_MESH
 in vec3 normal;
 in vec4 tangent;
@@ -42,7 +43,7 @@ uniform ivec4 size; // texels along u, v, s, t
 in vec3 place, eye;
 out vec4 colour;
 
-// Of the angular image of one place: the hardware mixes four texels.
+// The colour of one surface texel in a direction. The hardware interpolates between four texels.
 vec4 imageColour(ivec2 texel, TsrAngularFootprint f) {
     vec2 at = clamp(vec2(f.low) + vec2(notEqual(f.low, f.high)) * f.weight, vec2(0.0), vec2(size.zw - 1)) + 0.5;
     return texture(atlas, (vec2(texel * size.zw) + at) / vec2(size.xy * size.zw));
@@ -61,7 +62,7 @@ void main() {
     vec3 nearest = eye + along * ray;
     float rest = radius * radius - dot(nearest, nearest);
     if (rest < 0.0)
-        discard; // past the sphere, which its triangles surround
+        discard; // the triangles enclose the sphere, and this ray misses it
     vec3 fromCentre = nearest + (inside ? sqrt(rest) : -sqrt(rest)) * ray;
     TsrSurfaceFootprint f = tsr_surface_footprint(fromCentre, size.xy);
     colour = mix(mix(placeColour(f.low, -ray), placeColour(ivec2(f.high.x, f.low.y), -ray), f.weight.x),
@@ -76,7 +77,7 @@ centroid in vec2 surfacePlace;
 vec4 placeColour(ivec2 texel, TsrOctahedralTaps taps) {
     if (angularMap != tsr_map_mirrored || !tsr_crosses_fold(taps, size.zw))
         return imageColour(texel, tsr_ended(taps, size.zw));
-    vec4 sum = vec4(0.0); // where the map folds over, texels to be mixed are no neighbours
+    vec4 sum = vec4(0.0); // at the edge of the mirrored map the four texels are not adjacent
     for (int i = 0; i < 4; ++i) {
         ivec2 corner = ivec2(i & 1, i >> 1);
         vec2 share = mix(1.0 - taps.weight, taps.weight, vec2(corner));
@@ -94,12 +95,12 @@ void main() {
                  f.weight.y);
 }`;
 
-// rgba: file.atlas() of all places. The texture must fit the GPU: sides of up to 8192 texels nearly
-// everywhere, larger ones by other means (the viewer of `tessera view` has a tile cache).
+// rgba: file.atlas() of the whole texture. The picture must fit into a texture of the GPU; practically all devices
+// allow sides of 8192 texels. The viewer of `tessera view` shows larger textures with a tile cache.
 export function tesseraMaterial(THREE, info, rgba) {
-    const isMesh = info.proxy === 'mesh';
-    if (!isMesh && info.proxy !== 'sphere')
-        throw new Error(`a texture on "${info.proxyName}" has no material here`);
+    const isMesh = info.proxy === PROXY.mesh;
+    if (!isMesh && !isSphere(info))
+        throw new Error(`there is no material for textures with the proxy "${info.names.proxy}"`);
     const [U, V, S, T] = info.size;
     if (rgba.length !== U * V * S * T * 4)
         throw new Error(`the atlas has ${rgba.length} bytes, a texture of ${info.size.join('x')} ${U * V * S * T * 4}`);
@@ -109,7 +110,7 @@ export function tesseraMaterial(THREE, info, rgba) {
     atlas.needsUpdate = true;
     const uniforms = {atlas: {value: atlas}, size: {value: new Int32Array(info.size)}};
     if (isMesh)
-        uniforms.angularMap = {value: info.angularMap === mirrored ? 4 : 3};
+        uniforms.angularMap = {value: info.angularMap};
     else
         Object.assign(uniforms, {radius: {value: info.radius}, inside: {value: info.inside}});
     const material = new THREE.RawShaderMaterial({
@@ -121,24 +122,25 @@ export function tesseraMaterial(THREE, info, rgba) {
     return material;
 }
 
-// A mesh that shows a sphere's texture, at its place in the world.
+// A mesh that shows a texture on a sphere, at its position in the world.
 export function tesseraSphere(THREE, info, rgba) {
-    if (info.proxy !== 'sphere')
-        throw new Error(`the texture lies on "${info.proxyName}", not on a sphere`);
+    if (!isSphere(info))
+        throw new Error(`the proxy of the texture is "${info.names.proxy}", not a sphere`);
     const material = tesseraMaterial(THREE, info, rgba);
     const segments = 32;
-    const around = info.radius / Math.cos(Math.PI / segments) ** 2; // its triangles cut no part of the sphere
+    const around = info.radius / Math.cos(Math.PI / segments) ** 2; // so that the triangles enclose the sphere
     const mesh = new THREE.Mesh(new THREE.SphereGeometry(around, 2 * segments, segments), material);
     mesh.position.set(...info.centre);
     return mesh;
 }
 
-// The surfaces of a mesh: `geometry` has positions, normals and uv of the file's mesh (three.js' DRACOLoader
-// reads file.meshBytes()); tangents, too, where the angular map is the octahedral hemisphere.
+// A mesh that shows a texture on `geometry`, which has the positions, normals and uv of the file's mesh. three.js'
+// DRACOLoader reads them from file.meshBytes(). The octahedral hemisphere also needs tangents.
 export function tesseraSurface(THREE, info, rgba, geometry) {
-    if (info.proxy !== 'mesh')
-        throw new Error(`the texture lies on "${info.proxyName}", not on a mesh`);
-    const needed = ['position', 'normal', 'uv'].concat(info.angularMap === mirrored ? [] : ['tangent']);
+    if (info.proxy !== PROXY.mesh)
+        throw new Error(`the proxy of the texture is "${info.names.proxy}", not a mesh`);
+    const isMirrored = info.angularMap === ANGULAR_MAP.octahedralMirrored;
+    const needed = ['position', 'normal', 'uv'].concat(isMirrored ? [] : ['tangent']);
     for (const name of needed)
         if (!geometry.attributes[name])
             throw new Error(`the geometry has no ${name}`);

@@ -1,7 +1,7 @@
-// Mouse, touch and keys -> changes of the pose. Angles and steps are in parts of the picture's height.
+// Converts mouse, touch and key events to changes of the pose. Distances are in picture heights.
 
 class Controls {
-    static turn = 2.4; // radians for a drag as long as the picture is high
+    static turn = 2.4; // radians per picture height of a drag
 
     constructor(canvas, viewer) {
         Object.assign(this, {canvas, viewer, pointers: new Map()});
@@ -28,12 +28,12 @@ class Controls {
         const now = [event.clientX, event.clientY], before = [...this.pointers.values()];
         this.pointers.set(event.pointerId, now);
         const height = this.canvas.clientHeight, [x, y] = scale(sub(now, last), 1 / height);
-        if (before.length === 2) { // two fingers: the middle pans, the distance zooms
+        if (before.length === 2) { // two fingers: moving them pans, and their distance zooms
             const [a, b] = this.pointers.values(), [p, q] = before;
             this.zoom(Math.hypot(...sub(p, q)) / Math.max(1, Math.hypot(...sub(a, b))));
             this.pan(x / 2, y / 2);
         } else if (before.length === 1) {
-            const second = event.buttons & 6 || event.shiftKey; // another button, or with shift
+            const second = event.buttons & 6 || event.shiftKey; // another button than the first, or shift
             if (second)
                 this.pan(x, y);
             else
@@ -41,7 +41,8 @@ class Controls {
         }
     }
 
-    // Nearer and farther; of planar views the focus, with shift the aperture, with ctrl (or pinched) nearer and farther.
+    // The wheel zooms. For planar views it changes the focus, with shift the aperture; it zooms with ctrl, which
+    // browsers also report for pinching.
     wheel(event) {
         event.preventDefault();
         const lines = (event.deltaY || event.deltaX) * (event.deltaMode === 1 ? 16 : 1);
@@ -77,13 +78,13 @@ class Controls {
         const {viewer} = this, {pose, surface} = viewer, turn = Controls.turn;
         if (surface.planar)
             viewer.pose = {...pose, eye: this.stepped(pose.eye, [-x, y])};
-        else if (surface.inside) // what is seen follows the hand
+        else if (surface.inside) // the picture follows the pointer
             viewer.pose = turned(pose, x * turn / 2, y * turn / 2);
         else
             viewer.pose = orbited(pose, -x * turn, y * turn);
     }
 
-    // The observer of planar views moves as far as the cameras reach.
+    // Moves the observer of planar views, at most as far as the grid of cameras extends.
     stepped(eye, by) {
         const {reachOfGrid} = this.viewer.surface, all = 3 * Math.max(...reachOfGrid);
         return eye.map((at, i) => i < 2 ? clamp(at + by[i] * all, -reachOfGrid[i], reachOfGrid[i]) : at);
@@ -93,12 +94,13 @@ class Controls {
         const {viewer} = this, {pose, surface} = viewer;
         if (surface.planar) {
             const height = 2 * viewer.view().camera.up[1], half = [surface.width / 2, surface.height / 2];
-            viewer.pose = {...pose, middle: add(pose.middle, [-x * height, y * height]).map((at, i) => clamp(at, -half[i], half[i]))};
+            const moved = add(pose.middle, [-x * height, y * height]);
+            viewer.pose = {...pose, middle: moved.map((at, i) => clamp(at, -half[i], half[i]))};
         } else
             viewer.pose = panned(pose, viewer.fov, x, y);
     }
 
-    // By this factor, below 1 nearer.
+    // Multiplies the distance by `factor`; below 1 moves nearer.
     zoom(factor) {
         const {viewer} = this, {pose, surface} = viewer;
         if (surface.planar)
@@ -116,8 +118,8 @@ class Controls {
     }
 
     aperture(factor) {
-        const {viewer} = this, [, , s, t] = viewer.info.size;
+        const {viewer} = this, [, , s, t] = viewer.info.size, most = clamp(Math.max(s, t) / 2, 1, 12);
         if (viewer.surface.planar)
-            viewer.pose = {...viewer.pose, reach: clamp(viewer.pose.reach * factor, 1, Math.max(1, Math.min(12, Math.max(s, t) / 2)))};
+            viewer.pose = {...viewer.pose, reach: clamp(viewer.pose.reach * factor, 1, most)};
     }
 }

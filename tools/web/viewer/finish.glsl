@@ -1,4 +1,4 @@
-// What a pixel shows; with MARKS the tiles that it needs.
+// Writes the colour of a pixel or, with MARKS, the tiles that the pixel needs.
 #ifdef MARKS
 layout(location = 0) out uvec4 result;
 void finish(vec4 colour) {

@@ -1,7 +1,7 @@
-// Shaders and their uniforms.
+// A program of two shaders, and its uniforms.
 
 class Program {
-    // parts: names of the kit's shader files; `defines` stand in front.
+    // vertex, fragment: names of shader files of the kit, which are joined. `defines` are macros for both shaders.
     constructor(gl, kit, vertex, fragment, defines = []) {
         this.gl = gl;
         const text = parts => ['#version 300 es', ...defines.map(d => `#define ${d}`),
@@ -27,7 +27,8 @@ class Program {
         this.units = 0;
     }
 
-    // values: uniforms by name; those that the program has not are passed over. {texture, target} are samplers.
+    // Makes the program current. `values` are uniforms by name, and the program ignores unknown names. The value of a
+    // sampler is {texture, target}.
     use(values) {
         const {gl} = this;
         gl.useProgram(this.program);
@@ -55,7 +56,7 @@ class Program {
             gl.activeTexture(gl.TEXTURE0 + this.units);
             gl.bindTexture(value.target, value.texture);
             gl.uniform1i(at, this.units++);
-            gl.activeTexture(gl.TEXTURE0 + 15); // what is bound outside disturbs nothing
+            gl.activeTexture(gl.TEXTURE0 + 15); // bindTexture() calls elsewhere must not replace this texture
         }
     }
 }

@@ -1,10 +1,10 @@
-// A texture on a mesh, with mips: FORMAT.md 5.2, as tessera_sample_surface() in decoder_glsl/shaders/sample.glsl.
-uniform highp usampler2D charts;  // of all mips, see class Charts
+// A texture on a mesh with mips (FORMAT.md 5.2), like tessera_sample_surface() in decoder_glsl/shaders/sample.glsl.
+uniform highp usampler2D charts;  // of all mips; class Charts has the layout
 uniform int mips;
-uniform ivec2 mipSize[5];         // places
-uniform int chartRow[5];          // first row of each mip in charts
-uniform int angularMap;           // as FORMAT.md numbers them
-uniform float rayWidth;           // pixels along a side that a ray stands for
+uniform ivec2 mipSize[5];         // surface texels
+uniform int chartRow[5];          // first row of each mip in `charts`
+uniform int angularMap;           // code of FORMAT.md 1.1
+uniform float rayWidth;           // width in pixels of the area that a ray covers
 
 in vec3 toEye;
 in vec3 surfaceNormal;
@@ -15,11 +15,11 @@ uint chartAt(int mip, ivec2 texel) {
     return texelFetch(charts, texel + ivec2(mip > 0 ? size.x : 0, chartRow[mip]), 0).r;
 }
 
-// (s, t) texels around a direction. Where the mirrored map folds over, they are no neighbours.
+// The four (s, t) texels around the direction. At the edge of the mirrored map they are not adjacent (`folds`).
 TsrOctahedralTaps taps;
 bool folds;
 
-// Of one texel, where the directions fold over.
+// The colour of one surface texel if the four (s, t) texels are not adjacent.
 vec4 foldedColour(ivec2 uv, int mip) {
     SlotPlace p = slotPlace(uv, mip);
     vec4 colour = vec4(0.0), share = shares(taps.weight);
@@ -47,7 +47,7 @@ vec4 mipColour(vec2 uv, int mip) {
                                                          chartAt(mip, ivec2(g.low.x, g.high.y)), chartAt(mip, g.high)),
                                                    uvec4(own)));
         float sum = same.x + same.y + same.z + same.w;
-        if (own != 0u && sum > 0.0) { // else the atlas' own texels
+        if (own != 0u && sum > 0.0) { // otherwise the texels of the atlas are used
             f = g;
             share = same / sum;
             level = mip;
@@ -59,7 +59,8 @@ vec4 mipColour(vec2 uv, int mip) {
     for (int once = folds ? 1 : 0; once < 1; ++once)
         colour = fourImages(f.low, f.high, level, share, ended, ended, ended, ended);
     for (; corner < 4; ++corner)
-        colour += share[corner] * foldedColour(ivec2((corner & 1) == 0 ? f.low.x : f.high.x, (corner & 2) == 0 ? f.low.y : f.high.y), level);
+        colour += share[corner] * foldedColour(ivec2((corner & 1) == 0 ? f.low.x : f.high.x,
+                                                     (corner & 2) == 0 ? f.low.y : f.high.y), level);
     return colour;
 }
 
@@ -74,7 +75,7 @@ void main() {
     float covered = max(min(footprint.x, footprint.y) * 0.70710678, max(footprint.x, footprint.y) / 4.0);
     float mip = covered > 1.0 ? min(log2(covered), float(mips)) : 0.0;
     int first = int(mip);
-    float second = mip - float(first); // its share
+    float second = mip - float(first); // weight of the second mip
     vec4 colour = vec4(0.0);
     for (int i = 0; i <= (second > 0.0 ? 1 : 0); ++i)
         colour += (i == 0 ? 1.0 - second : second) * mipColour(surfacePlace, first + i);

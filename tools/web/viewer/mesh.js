@@ -1,8 +1,8 @@
-// The mesh of a texture, as `tessera view` writes it beside the file (tools/page/view_data.h): columns of
-// integers, each the difference to the one before it, zigzag, split into planes of bytes.
+// The mesh of a texture as `tessera view` writes it into the page. tools/page/view_data.h specifies the columns:
+// differences of consecutive integers, zigzag coded and split into planes of bytes.
 
 class MeshData {
-    // about: what the first line says; bytes: what follows it.
+    // about: `mesh` of the JSON line; bytes: the columns behind this line.
     constructor(about, bytes) {
         let at = 0;
         const column = (count, planes) => {
@@ -24,7 +24,7 @@ class MeshData {
             for (let i = 0; i < vertices; ++i)
                 this.positions[3 * i + axis] = low[axis] + (high[axis] - low[axis]) * places[axis][i] / 65535;
         this.normals = directions(column(vertices, 3), column(vertices, 3));
-        // The mirrored map needs none: any will do.
+        // The mirrored map does not use tangents, so any values will do.
         this.tangents = tangents ? directions(column(vertices, 3), column(vertices, 3)) : this.normals;
         const u = column(vertices, 4), v = column(vertices, 4);
         this.uv = new Float32Array(vertices * 2);
@@ -34,11 +34,12 @@ class MeshData {
         }
         this.indices = new Uint32Array(column(triangles * 3, 4));
         this.charts = new Charts(null, atlas, mips);
-        this.charts.ids = mips ? Uint16Array.from(column(this.charts.width * this.charts.height, 3)) : new Uint16Array(1);
+        this.charts.ids =
+            mips ? Uint16Array.from(column(this.charts.width * this.charts.height, 3)) : new Uint16Array(1);
     }
 }
 
-// Unit vectors from the octahedral square, 0..65535 along both sides.
+// Unit vectors from octahedral coordinates, 0..65535 along both sides of the square.
 function directions(across, up) {
     const out = new Float32Array(across.length * 3);
     for (let i = 0; i < across.length; ++i) {

@@ -1,10 +1,10 @@
-// The vertices of a textured mesh: decoder_glsl/shaders/mesh.vert.glsl.
+// Vertices of a textured mesh, as in decoder_glsl/shaders/mesh.vert.glsl.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 tangent;
 layout(location = 3) in vec2 place;
 
-uniform mat4 project; // from places relative to the eye
+uniform mat4 project; // of positions relative to the eye
 uniform vec3 eye;
 
 out vec3 toEye;

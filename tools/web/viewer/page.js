@@ -1,4 +1,4 @@
-// The page around the viewer: its parts, what they say, and how it starts.
+// The page around the viewer: its elements, its messages and its start.
 
 class Page {
     constructor() {
@@ -14,14 +14,14 @@ class Page {
     fail(error) {
         this.say(error.message || String(error));
         this.note.classList.add('error');
-        document.title = 'Cannot be shown';
+        document.title = 'Error';
         console.error(error);
     }
     toggle(name) {
         this[name].hidden = !this[name].hidden;
     }
 
-    // After each frame.
+    // Called after each frame.
     update(viewer) {
         const {loader, renderer, cache} = viewer;
         if (!this.begun && (renderer.coarse || !loader.busy && viewer.searched !== 'not')) {
@@ -33,14 +33,17 @@ class Page {
         if (!this.whole && !loader.busy && viewer.searched === 'all')
             this.whole = performance.now();
         if (loader.failed.size && !this.note.textContent)
-            this.say(`${loader.failed.size} tiles cannot be had: ${loader.failed.values().next().value}`);
+            this.say(`${loader.failed.size} tiles could not be loaded: ${loader.failed.values().next().value}`);
         if (this.figures.hidden)
             return;
         const {info, source} = viewer, ms = viewer.drawTime;
-        const lines = [`first picture after ${this.begun?.toFixed(0)} ms`, `${info.size.join(' x ')}, ${inBytes(viewer.fileBytes)}`,
-            ms ? `${(1000 / ms).toFixed(0)} frames a second` : 'still',
-            `${cache.tiles.size} of ${cache.grid.tiles} tiles, ${loader.queue.length + loader.coming.size} to come`,
-            `${inBytes(renderer.bytes)} on the GPU`];
+        const lines = [
+            `first picture after ${this.begun?.toFixed(0)} ms`,
+            `${info.size.join(' x ')}, ${inBytes(viewer.fileBytes)}`,
+            ms ? `${(1000 / ms).toFixed(0)} frames per second` : 'idle',
+            `${cache.tiles.size} of ${cache.grid.tiles} tiles, ${loader.queue.length + loader.coming.size} loading`,
+            `${inBytes(renderer.bytes)} of GPU memory`
+        ];
         if (source)
             lines.push(`${inBytes(source.received)} received in ${source.asked} requests`);
         this.figures.textContent = lines.join('\n');
@@ -57,7 +60,8 @@ class Page {
 
 const inBytes = n => n < 1e3 ? `${n} bytes` : n < 1e6 ? `${(n / 1e3).toFixed(1)} kB` : `${(n / 1e6).toFixed(1)} MB`;
 
-// {about, rest} of what the tool found out about a file: a line of JSON, then bytes; null where it is something else.
+// Splits view data (tools/page/view_data.h) into its JSON line and the bytes behind it: {about, rest}. Returns null if
+// the bytes are something else.
 function parsedViewData(bytes) {
     const end = bytes.indexOf(10);
     if (end < 0 || bytes[0] !== 123) // {
@@ -65,7 +69,8 @@ function parsedViewData(bytes) {
     return {about: JSON.parse(new TextDecoder().decode(bytes.subarray(0, end))), rest: bytes.subarray(end + 1)};
 }
 
-// From `tessera serve`; other servers answer with the file itself, or not at all.
+// Requests the view data that `tessera serve` offers. Other servers send the file itself or an error; then the result
+// is null.
 async function fetchedViewData(url) {
     try {
         const answer = await fetch(`${url}?view`, {headers: {Range: 'bytes=0-'}});
@@ -80,10 +85,11 @@ async function fetchedViewData(url) {
     }
 }
 
-// kit: see page.html. element(id): the bytes in an element of the page, or null.
+// Shows the file in the page or the one that the URL names. kit: see page.html. element(id) returns the decoded bytes
+// of an element of the page, or null.
 async function showPage(kit, element) {
     const page = new Page(), viewer = new Viewer(kit, page);
-    window.tessera = viewer; // for whoever wants to script the page
+    window.tessera = viewer; // for scripts
     try {
         const bytes = element('file'), data = element('data');
         if (bytes) {
@@ -91,8 +97,8 @@ async function showPage(kit, element) {
         } else {
             const name = new URLSearchParams(location.search).get('f');
             if (!name)
-                throw Error('No file is named: open this page as ?f=NAME.tess');
-            // A name may hold what means something in an address; one that is an address is taken as it is.
+                throw Error('The URL names no file. Open this page as ?f=NAME.tess');
+            // A full URL is used unchanged. In the name of a file, characters with a meaning in URLs are encoded.
             const path = /^https?:\/\//.test(name) ? name : name.split('/').map(encodeURIComponent).join('/');
             const url = new URL(path, location.origin + location.pathname).href;
             document.title = name;

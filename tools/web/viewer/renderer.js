@@ -1,6 +1,6 @@
-// Draws the surface, ray by ray of each pixel, and finds which tiles a view needs.
+// Draws the surface with one or more rays per pixel, and finds the tiles that a view needs.
 
-// Where in their pixel the rays go, as in tools/view/view_drawing.h: the first one through its centre.
+// The offset of ray k from the centre of its pixel, as in tools/view/view_drawing.h. Ray 0 hits the centre.
 const rayShift = k => [0.7548776662466927, 0.5698402909980532].map(step => (0.5 + k * step) % 1 - 0.5);
 
 class Renderer {
@@ -8,18 +8,19 @@ class Renderer {
 
     constructor(gl, kit, info, surface, cache) {
         Object.assign(this, {gl, kit, info, surface, cache, coarse: null});
-        this.half = info.type === 'half';
-        // Sums of half-floats want more than 8 bits; without the extension they are cut at white.
+        this.half = info.sampleType === SAMPLE_TYPE.half16;
+        // Means of half floats need more than 8 bits. Without the extension they are clamped to 0..1.
         this.format = this.half && gl.getExtension('EXT_color_buffer_float') ? gl.RGBA16F : gl.RGBA8;
         const sampling = ['surface.glsl', 'octahedral.glsl', 'slots.glsl', 'finish.glsl', ...surface.fragment];
         this.drawing = new Program(gl, kit, surface.vertex, sampling);
-        this.marking = null; // made when it is needed
+        this.marking = null; // compiled by the first tilesOf()
         this.sampling = sampling;
         this.resolving = new Program(gl, kit, ['screen.vert'], ['resolve.frag']);
         this.sizes = {};
     }
 
-    // {pixels: [width, height], pose, camera, rays}: rays so far; draws one more.
+    // Draws ray k of each pixel and shows the mean of rays 0..k. view: {pixels: [width, height], pose, camera, rays},
+    // where `rays` is the number of rays of the finished picture.
     addRay(view, k) {
         const {gl} = this;
         this.resize(view.pixels, view.rays);
@@ -31,7 +32,8 @@ class Renderer {
             gl.clearBufferfv(gl.DEPTH, 0, [1]);
         this.drawSurface(this.drawing, view, rayShift(k), view.rays);
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-        this.resolving.use({rays: {texture: this.rays, target: gl.TEXTURE_2D_ARRAY}, count: k + 1, toneMapped: this.half});
+        this.resolving.use(
+            {rays: {texture: this.rays, target: gl.TEXTURE_2D_ARRAY}, count: k + 1, toneMapped: this.half});
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
@@ -73,8 +75,9 @@ class Renderer {
         return buffer;
     }
 
-    // The tiles that a view needs -> in how many pixels. corner: which of a pixel's directions are looked at, 0..3,
-    // and 4 more for the second of two mips; -1: each pixel others, which is enough where not all count.
+    // The tiles that a view needs: a map from the tile to the number of pixels that use it. The picture is `reduction`
+    // times smaller along both sides. corner: the one of four texels that is examined at each pixel, 0..3, plus 4 for
+    // the second of two mips; -1: it varies from pixel to pixel, for an approximate result.
     tilesOf(view, reduction, corner, shift) {
         const {gl} = this;
         this.marking ||= new Program(gl, this.kit, this.surface.vertex, this.sampling, ['MARKS']);
@@ -91,7 +94,8 @@ class Renderer {
             gl.clearBufferfv(gl.DEPTH, 0, [1]);
         gl.useProgram(this.marking.program);
         gl.uniform1i(this.marking.uniforms.get('corner').at, corner);
-        this.drawSurface(this.marking, {...view, pixels}, shift, view.rays * reduction ** 2); // as fine a mip as the view's
+        const rays = view.rays * reduction ** 2; // selects the same mips as the view
+        this.drawSurface(this.marking, {...view, pixels}, shift, rays);
         const words = new Uint32Array(pixels[0] * pixels[1] * 4), counts = new Map();
         gl.readPixels(0, 0, ...pixels, gl.RGBA_INTEGER, gl.UNSIGNED_INT, words);
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
@@ -106,6 +110,7 @@ class Renderer {
 
     get bytes() {
         const {width = 0, height = 0, rays = 0} = this.sizes;
-        return this.cache.bytes + (this.coarse ? this.coarse.bytes : 0) + width * height * rays * (this.format === this.gl.RGBA16F ? 8 : 4);
+        return this.cache.bytes + (this.coarse ? this.coarse.bytes : 0) +
+               width * height * rays * (this.format === this.gl.RGBA16F ? 8 : 4);
     }
 }

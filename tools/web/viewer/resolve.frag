@@ -1,7 +1,7 @@
-// The mean of the rays that were drawn through each pixel, as a display shows it.
+// Writes the mean of the rays of each pixel, converted for the display.
 uniform highp sampler2DArray rays;
 uniform int count;
-uniform bool toneMapped; // half-floats: sRGB of x / (1 + x)
+uniform bool toneMapped; // for half floats: sRGB of x / (1 + x)
 layout(location = 0) out vec4 result;
 
 float shown(float x) {

@@ -1,13 +1,13 @@
-// Where the texels of a tile lie in its slot of the GPU's tile cache. A slot is a picture with the angular
-// images of the tile's places side by side; right of them, of atlases of meshes, those of the mips, each mip
-// below the one before it. Used by the page and its workers.
+// The layout of a tile's texels in its slot of the GPU's tile cache. A slot is a picture with the angular images of the
+// tile's surface texels side by side. For a mesh, the angular images of the mips are to their right, each mip below the
+// previous one. The page and its workers use this file.
 
 class SlotLayout {
     constructor(tileSide, mips) {
         const [u, v, s, t] = tileSide;
         this.side = tileSide;
         this.mips = mips;
-        this.rows = [0]; // first row of places of each mip; of mip 0 the atlas
+        this.rows = [0]; // first row of each mip, in surface texels; mip 0 is the atlas
         for (let mip = 1, row = 0; mip <= mips; ++mip) {
             this.rows.push(row);
             row += Math.ceil(v / 2 ** mip);
@@ -16,16 +16,16 @@ class SlotLayout {
         this.width = (u + (mips ? Math.ceil(u / 2) : 0)) * s;
         this.height = Math.max(v, below) * t;
     }
-    // The first pixel of a place's angular image, places counted from the tile's first one in that mip.
+    // Index of the first pixel of the angular image of (u, v), counted in texels of the mip from the tile's first one.
     pixel(mip, u, v) {
         const [side_u, , s, t] = this.side;
         return ((this.rows[mip] + v) * t) * this.width + (u + (mip ? side_u : 0)) * s;
     }
 }
 
-// Texels as they are decoded (order v, u, t, s; 8-bit samples, or halves as 16-bit integers) -> the pixels of a
-// slot, RGBA. Grey is shown as grey, alpha not at all: as `tessera render` does.
-// charts: null, or {ids, size} of all mips, see chartsOf() in mesh.js.
+// Converts decoded texels (order v, u, t, s; 8-bit samples, or half floats as 16-bit integers) to the RGBA pixels of a
+// slot. Grey is copied to R, G and B, and alpha is ignored, as in `tessera render`.
+// charts: null if there are no mips.
 function slotPixels(texels, box, channels, half, layout, charts) {
     const [u0, u1, v0, v1, s0, s1, t0, t1] = box;
     const across = u1 - u0, up = v1 - v0, wide = s1 - s0, high = t1 - t0;
@@ -48,7 +48,7 @@ function slotPixels(texels, box, channels, half, layout, charts) {
     return out;
 }
 
-// A texel of a mip is the mean over the texels of its own chart in its square (FORMAT.md 5.2).
+// A texel of a mip is the mean of the texels of its chart in its square (FORMAT.md 5.2).
 function addMip(out, mip, box, half, layout, charts) {
     const [u0, u1, v0, v1, s0, s1, t0, t1] = box, row = (s1 - s0) * 4, high = t1 - t0;
     const sums = half ? new Float64Array(row * high) : new Uint32Array(row * high);
@@ -67,7 +67,8 @@ function addMip(out, mip, box, half, layout, charts) {
                     addImage(sums, pixels, layout.pixel(0, u - u0, v - v0) * 4, row, high, layout.width * 4);
                     ++count;
                 }
-            putMean(out, layout.pixel(mip, x - (u0 >> mip), y - (v0 >> mip)) * 4, sums, count, half, row, high, layout.width * 4);
+            putMean(out, layout.pixel(mip, x - (u0 >> mip), y - (v0 >> mip)) * 4, sums, count, half, row, high,
+                    layout.width * 4);
         }
 }
 
@@ -90,7 +91,7 @@ function halfToFloat(h) {
     return exponent === 31 ? (rest ? NaN : sign * Infinity) : sign * (1 + rest / 1024) * 2 ** (exponent - 15);
 }
 
-// To the nearest, ties to even.
+// Rounds to nearest, ties to even.
 function floatToHalf(x) {
     const sign = x < 0 || Object.is(x, -0) ? 0x8000 : 0, size = Math.abs(x);
     if (Number.isNaN(x))
@@ -101,11 +102,11 @@ function floatToHalf(x) {
     let rounded = Math.floor(units);
     if (units - rounded > 0.5 || (units - rounded === 0.5 && rounded % 2))
         ++rounded;
-    return sign | (exponent + 14 << 10) + rounded; // 1024 units are the next exponent's; below 2^-14 there is no leading 1
+    return sign | (exponent + 14 << 10) + rounded; // 1024 units carry into the exponent; subnormals have no leading 1
 }
 
-// The charts of an atlas and its mips, one number a texel: 0 none. Laid out as one picture, `width` wide: mips right
-// of the atlas, each below the one before it.
+// The charts of an atlas and its mips: one number per texel, 0 for none. They form one picture of `width` x `height`
+// texels with the mips to the right of the atlas, each below the previous one.
 class Charts {
     constructor(ids, size, mips) {
         Object.assign(this, {ids, size, mips});

@@ -1,22 +1,22 @@
-// Colours of angular images out of the tile cache. A tile that is not there shows its coarse texels.
+// Reads colours of angular images from the tile cache. The coarse level replaces missing tiles.
 //
-// With MARKS defined nothing is looked up: marks receives the numbers of tiles that the pixel needs.
+// With MARKS defined nothing is read. Instead, `marks` receives the numbers + 1 of tiles that the pixel needs.
 
-uniform highp usampler2D pages;       // a word a tile, 1024 a row: 0, or present | layer << 20 | row << 10 | column
-uniform highp sampler2DArray slots;   // slot_layout.js
-uniform highp sampler2DArray coarse;  // angular images side by side, folded over layers
+uniform highp usampler2D pages;       // a word per tile, 1024 per row: 0 or 1 << 31 | layer << 20 | row << 10 | column
+uniform highp sampler2DArray slots;   // layout: slot_layout.js
+uniform highp sampler2DArray coarse;  // class CoarseLevel
 uniform ivec4 size;                   // texels along u, v, s, t
-uniform ivec4 tiles;                  // tiles along them
-uniform ivec4 tileSide;               // texels of the largest tile
-uniform vec4 sides, tileCount;        // size and tiles as numbers to calculate with,
-uniform vec4 perTexel, perTile;       // tiles by a texel, texels by a tile
+uniform ivec4 tiles;                  // tiles along u, v, s, t
+uniform ivec4 tileSide;               // size of the largest tile
+uniform vec4 sides, tileCount;        // `size` and `tiles` as floats
+uniform vec4 perTexel, perTile;       // tiles per texel, texels per tile
 uniform ivec2 slotSize;               // pixels
-uniform vec2 layerSize;               // pixels of a layer of slots
-uniform int mipRow[5];                // places above each mip in a slot
-uniform ivec4 coarseSize;             // texels of the coarse level; 0: there is none
-uniform ivec2 coarseLod;              // texels it joins, as powers of two: spatial, angular
+uniform vec2 layerSize;               // pixels of a layer of `slots`
+uniform int mipRow[5];                // first row of each mip in a slot, in surface texels
+uniform ivec4 coarseSize;             // size of the coarse level; 0: there is none
+uniform ivec2 coarseLod;              // log2 of the texels of level 0 per texel: spatial, angular
 uniform ivec2 coarseFold;             // angular images along x and y of a layer
-uniform vec4 emptyColour;             // where a tile is missing and nothing stands in
+uniform vec4 emptyColour;             // of missing tiles if there is no coarse level
 
 #ifdef MARKS
 uniform int corner; // see Renderer.tilesOf()
@@ -24,8 +24,9 @@ uvec4 marks = uvec4(0u);
 int marked = 0;
 #endif
 
-// The tiles that texels lie in, and the first texels of tiles. Where a product is no whole number it is at least
-// a part of the axis away from one, so that the quarter decides (TileGrid.checkFloats() tries them all).
+// The tile of a texel, and the first texel of a tile. A product that is not an integer differs from the nearest one by
+// at least 1 / axisSize or 1 / axisTiles, so an offset of a quarter of that absorbs rounding errors.
+// TileGrid.checkFloats() tests all values.
 ivec2 tileOf(ivec2 texel, vec2 axisSize, vec2 perTexel) {
     return ivec2(ceil(vec2(texel + 1) * perTexel - 0.25 / axisSize)) - 1;
 }
@@ -33,7 +34,7 @@ ivec2 tileBegin(ivec2 tile, vec2 axisTiles, vec2 perTile) {
     return ivec2(floor(vec2(tile) * perTile + 0.25 / axisTiles));
 }
 
-// A texel of the atlas or a mip: its tile and where it lies in the tile's slot.
+// The tile of a texel of the atlas or of a mip, and the texel's position in the slot of the tile.
 struct SlotPlace {
     ivec2 tile;
     ivec2 place;
@@ -69,8 +70,7 @@ ivec2 directionBegin(ivec2 tile) {
     return tileBegin(tile, tileCount.zw, perTile.zw);
 }
 
-// The coarse level, mixed linearly between the centres of its texels: place in texels of level 0 from the first
-// texel's edge, direction likewise.
+// The coarse level, interpolated linearly. Positions and directions are in texels of level 0; texel 0 is 0..1.
 vec4 coarseImage(ivec2 uv, vec2 st) {
     ivec2 image = clamp(uv, ivec2(0), coarseSize.xy - 1);
     ivec2 cell = image / coarseFold;
@@ -90,10 +90,10 @@ vec4 coarseColour(vec2 place, vec2 direction) {
                mix(coarseImage(low + ivec2(0, 1), st), coarseImage(low + ivec2(1, 1), st), w.x), w.y);
 }
 
-// What few pixels need is done in loops that most leave before their first turn: where an if costs the time of both
-// its sides, as without a GPU, such a loop costs nothing.
+// Work that only few pixels need is written as loops that most pixels skip. On devices that execute both branches of an
+// if, such as software renderers, skipped loops cost nothing.
 
-// One texel.
+// The colour of one texel.
 vec4 texelColour(SlotPlace p, ivec2 uv, int mip, ivec2 st) {
     ivec2 tile = directionTile(st);
     uint page = pageOf(tileNumber(p.tile, tile));
@@ -104,7 +104,7 @@ vec4 texelColour(SlotPlace p, ivec2 uv, int mip, ivec2 st) {
 }
 
 #ifdef MARKS
-// Of four directions a pixel marks one, its neighbours the others; so, too, of the second mip's places.
+// The texel that this pixel marks, out of four; plus 4 for the second mip. Neighbouring pixels mark others.
 int chosen() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     return corner >= 0 ? corner : (at.x & 1) | ((at.y & 1) << 1) | (((at.x + at.y) & 2) << 1);
@@ -116,7 +116,8 @@ void mark(SlotPlace p, ivec2 st) {
 }
 #endif
 
-// Four texels of the angular image of a texel, low to high, of which high has the weights.
+// Interpolates in the angular image of one surface texel between the texels `low` and `high`. `weight` is the weight of
+// `high` along s and t.
 vec4 imageColour(ivec2 uv, int mip, ivec2 low, ivec2 high, vec2 weight) {
     SlotPlace p = slotPlace(uv, mip);
 #ifdef MARKS
@@ -125,10 +126,10 @@ vec4 imageColour(ivec2 uv, int mip, ivec2 low, ivec2 high, vec2 weight) {
 #else
     ivec2 tile = directionTile(low);
     uint page = pageOf(tileNumber(p.tile, tile));
-    vec2 beyond = weight * vec2(notEqual(low, high)); // where both are the same, nothing lies beside
+    vec2 beyond = weight * vec2(notEqual(low, high)); // equal texels need no interpolation
     ivec3 pixel = slotPixel(page, p.place) + ivec3(low - directionBegin(tile), 0);
     vec4 colour = textureLod(slots, vec3((vec2(pixel.xy) + 0.5 + beyond) / layerSize, float(pixel.z)), 0.0);
-    // The texture unit has mixed all four where one tile has them, and it is there.
+    // The texture unit has interpolated correctly if one tile contains all four texels and is present.
     int corner = page != 0u && tile == directionTile(high) ? 4 : 0;
     if (corner == 0)
         colour = vec4(0.0);
@@ -141,7 +142,7 @@ vec4 imageColour(ivec2 uv, int mip, ivec2 low, ivec2 high, vec2 weight) {
 #endif
 }
 
-// Which of four, by number.
+// Selects one of four values.
 ivec2 oneOf(int i, ivec2 a, ivec2 b, ivec2 c, ivec2 d) {
     return i == 0 ? a : i == 1 ? b : i == 2 ? c : d;
 }
@@ -154,8 +155,8 @@ vec4 filtered(ivec3 image, ivec2 begin, TsrAngularFootprint f) {
     return textureLod(slots, vec3(place / layerSize, float(image.z)), 0.0);
 }
 
-// The angular images of four texels of the atlas or a mip by their shares: low, right of it, above, both. Nearly
-// always one tile has all of them.
+// The weighted mean of the angular images of four surface texels of the atlas or a mip, in the order (low, low),
+// (high, low), (low, high), (high, high). Usually one tile contains all of them.
 vec4 fourImages(ivec2 low, ivec2 high, int mip, vec4 share, TsrAngularFootprint a, TsrAngularFootprint b,
                 TsrAngularFootprint c, TsrAngularFootprint d) {
     int corner = 0;
@@ -167,8 +168,10 @@ vec4 fourImages(ivec2 low, ivec2 high, int mip, vec4 share, TsrAngularFootprint 
     ivec2 begin = directionBegin(tile);
     ivec3 image = slotPixel(page, p.place);
     ivec2 next = (high - low) * tileSide.zw;
-    colour = share.x * filtered(image, begin, a) + share.y * filtered(image + ivec3(next.x, 0, 0), begin, b) +
-             share.z * filtered(image + ivec3(0, next.y, 0), begin, c) + share.w * filtered(image + ivec3(next, 0), begin, d);
+    colour = share.x * filtered(image, begin, a) +
+             share.y * filtered(image + ivec3(next.x, 0, 0), begin, b) +
+             share.z * filtered(image + ivec3(0, next.y, 0), begin, c) +
+             share.w * filtered(image + ivec3(next, 0), begin, d);
     if (page != 0u && slotPlace(high, mip).tile == p.tile &&
         directionTile(max(max(a.high, b.high), max(c.high, d.high))) == tile)
         corner = 4;
@@ -176,7 +179,8 @@ vec4 fourImages(ivec2 low, ivec2 high, int mip, vec4 share, TsrAngularFootprint 
         colour = vec4(0.0);
 #endif
     for (; corner < 4; ++corner)
-        colour += share[corner] * imageColour(ivec2((corner & 1) == 0 ? low.x : high.x, (corner & 2) == 0 ? low.y : high.y), mip,
+        colour += share[corner] * imageColour(ivec2((corner & 1) == 0 ? low.x : high.x,
+                                                    (corner & 2) == 0 ? low.y : high.y), mip,
                                               oneOf(corner, a.low, b.low, c.low, d.low),
                                               oneOf(corner, a.high, b.high, c.high, d.high),
                                               oneOf(corner, a.weight, b.weight, c.weight, d.weight));

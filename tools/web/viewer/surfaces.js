@@ -1,4 +1,4 @@
-// What carries the texture: each kind knows its uniforms for a view, and how it is drawn.
+// The kinds of surfaces that carry textures. Each class computes its uniforms for a view and draws itself.
 
 class SphereSurface {
     constructor(info, outside) {
@@ -6,9 +6,10 @@ class SphereSurface {
         this.inside = info.inside;
     }
     defaultPose() {
-        return this.inside ? {eye: this.info.centre, look: add(this.info.centre, [-1, 0, 0])} : {eye: [10, 0, 0], look: [0, 0, 0]};
+        return this.inside ? {eye: this.info.centre, look: add(this.info.centre, [-1, 0, 0])}
+                           : {eye: [10, 0, 0], look: [0, 0, 0]};
     }
-    // The observer stays on the side that the texture is seen from.
+    // The observer must stay on the side from which the texture is seen.
     allowed(pose) {
         const arm = sub(pose.eye, this.info.centre), distance = Math.hypot(...arm), {radius} = this.info;
         return this.inside ? distance < radius * 0.999 : distance > radius * 1.001;
@@ -24,8 +25,9 @@ class SphereSurface {
 
 class MeshSurface {
     constructor(gl, info, mesh, outside) {
-        // Four rays a pixel as `tessera render` has them, when nothing moves.
-        Object.assign(this, {info, mesh, outside, fragment: ['mesh.frag'], vertex: ['mesh.vert'], rays: 4, hasDepth: true});
+        // 4 rays per pixel for a still picture, as in `tessera render`.
+        Object.assign(this,
+                      {info, mesh, outside, fragment: ['mesh.frag'], vertex: ['mesh.vert'], rays: 4, hasDepth: true});
         this.array = gl.createVertexArray();
         gl.bindVertexArray(this.array);
         [[mesh.positions, 3], [mesh.normals, 3], [mesh.tangents, 3], [mesh.uv, 2]].forEach(([data, components], i) => {
@@ -60,7 +62,7 @@ class MeshSurface {
         return {project: projection(camera, near, far), eye: camera.eye, mips,
                 mipSize: levels.flatMap(mip => charts.side(mip)), chartRow: levels.map(mip => charts.rows[mip]),
                 charts: {texture: this.charts, target: WebGL2RenderingContext.TEXTURE_2D},
-                angularMap: this.info.angularMap === 'octahedral-mirrored' ? 4 : 3, rayWidth: 1 / Math.sqrt(rays)};
+                angularMap: this.info.angularMap, rayWidth: 1 / Math.sqrt(rays)};
     }
     draw(gl) {
         gl.enable(gl.DEPTH_TEST);
@@ -73,30 +75,32 @@ class MeshSurface {
     }
 }
 
-// The observer stands in the plane of the cameras and looks through a window at which he, or she, does not turn.
+// The observer stands in the plane of the cameras and looks through a fixed window, without turning.
 class PlanarSurface {
-    // cameras: spacing along x and y, distance from the window, width of the window, as the file's key Cameras has them.
+    // cameras: the four numbers of the metadata key Cameras: spacing along x and y, distance from the window, width of
+    // the window; null if the file has no such key.
     constructor(info, outside, cameras) {
         Object.assign(this, {info, outside, fragment: ['planar.frag'], vertex: ['screen.vert'], rays: 1, planar: true});
         const [u, v, s, t] = info.size;
-        // Where the file does not say it: a window 2 wide, under 40 degrees; the grid spans a quarter of its distance.
+        // Defaults: the window is 2 wide and fills 40 degrees, and the grid is a quarter of its distance wide.
         const usual = 1 / Math.tan(Math.PI / 9), step = usual / 4 / Math.max(1, s - 1, t - 1);
         const [x, y, distance, width] = cameras || [step, step, usual, 2];
         Object.assign(this, {spacing: [x, y], distance, width, height: width * v / u});
         this.reachOfGrid = [(s - 1) / 2 * x, (t - 1) / 2 * y];
     }
-    // In the middle of the cameras; all of the window is seen.
+    // The observer is in the middle of the cameras and sees the whole window.
     defaultPose() {
         return {eye: [0, 0, this.distance], middle: [0, 0], zoom: 1, disparity: 0, reach: 1};
     }
     allowed(pose) {
         return pose.eye[2] > 0;
     }
-    // Of what is at this distance from the cameras, in texels from one camera to the next.
+    // The disparity of objects at distance `focus` from the cameras, in texels from one camera to the next.
     disparityAt(focus) {
         return this.spacing[0] * (1 - this.distance / focus) * this.info.size[0] / this.width;
     }
-    // Of a pose that says where the observer looks (from the hash) as for any other surface, else through the window.
+    // A pose from the hash may say where the observer looks, as for other surfaces. Otherwise the camera looks through
+    // the window.
     camera({eye, look, middle, zoom}, fov, aspect) {
         if (look)
             return makeCamera({eye, look}, fov, aspect);

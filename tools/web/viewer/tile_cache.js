@@ -1,20 +1,20 @@
-// Tiles on the GPU: slots of a fixed number, and a page table that says which tile lies in which slot. Of the
-// tiles that are not in view the one goes first that was not for the longest time.
+// The tiles on the GPU: a fixed number of slots, and a page table with the slot of each tile. Among the tiles that are
+// not in view, the one that was last in view longest ago is evicted first.
 
 class TileCache {
-    static layerSide = 2048; // pixels, where slots are not larger
+    static layerSide = 2048; // pixels, or the side of a slot if it is larger
 
     constructor(gl, grid, layout, half, budget) {
         Object.assign(this, {gl, grid, layout, half});
         const {width, height} = layout, texel = half ? 8 : 4;
         const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
         if (width > most || height > most)
-            throw Error(`a tile needs a texture of ${width}x${height} pixels, and this device has ${most}`);
+            throw Error(`a tile needs a texture of ${width}x${height} pixels, but this device allows only ${most}`);
         if (grid.tiles > 1024 * Math.min(most, 8192))
-            throw Error(`the file has ${grid.tiles} tiles, more than this viewer can show`);
+            throw Error(`the file has ${grid.tiles} tiles, which are more than this viewer can show`);
         const slots = Math.max(1, Math.min(grid.tiles, Math.floor(budget / (width * height * texel))));
         this.columns = Math.min(slots, Math.max(1, Math.floor(TileCache.layerSide / width)));
-        // Whole rows and layers: of what does not hold all tiles, as many as the budget has room for.
+        // Rows and layers are whole. A cache that cannot hold all tiles must stay within the budget.
         const round = slots < grid.tiles ? Math.floor : Math.ceil;
         this.rows = clamp(round(slots / this.columns), 1, Math.max(1, Math.floor(TileCache.layerSide / height)));
         const ofLayer = this.columns * this.rows;
@@ -28,7 +28,7 @@ class TileCache {
         this.pageRows = Math.ceil(grid.tiles / 1024);
         gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R32UI, 1024, this.pageRows);
         nearest(gl, gl.TEXTURE_2D);
-        this.tiles = new Map(); // tile -> slot, the one first that was not in view for the longest
+        this.tiles = new Map(); // tile -> slot, least recently in view first
         this.inView = new Set();
     }
 
@@ -39,7 +39,7 @@ class TileCache {
         return this.tiles.has(tile);
     }
 
-    // From now on these are in view.
+    // Sets the tiles that are in view.
     view(tiles) {
         this.inView = new Set(tiles);
         for (const tile of tiles) {
@@ -51,7 +51,7 @@ class TileCache {
         }
     }
 
-    // False where all slots hold what is in view.
+    // Returns false if all slots hold tiles in view.
     put(tile, pixels) {
         const slot = this.tiles.size < this.slots ? this.tiles.size : this.freed();
         if (slot === undefined)
@@ -60,8 +60,8 @@ class TileCache {
         const {gl, layout, half} = this, row = Math.floor(slot / this.columns) % this.rows;
         const column = slot % this.columns, layer = Math.floor(slot / (this.columns * this.rows));
         gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.texture);
-        gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, column * layout.width, row * layout.height, layer, layout.width, layout.height,
-                         1, gl.RGBA, half ? gl.HALF_FLOAT : gl.UNSIGNED_BYTE, pixels);
+        gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, column * layout.width, row * layout.height, layer, layout.width,
+                         layout.height, 1, gl.RGBA, half ? gl.HALF_FLOAT : gl.UNSIGNED_BYTE, pixels);
         this.setPage(tile, (1 << 31 | layer << 20 | row << 10 | column) >>> 0);
         return true;
     }
@@ -84,7 +84,7 @@ class TileCache {
     }
 }
 
-// A coarse level as a whole: angular images side by side, folded over layers.
+// A whole coarse level: angular images side by side, divided among layers.
 class CoarseLevel {
     constructor(gl, size, lod, half, pixels) {
         const [u, v, s, t] = size;
@@ -100,8 +100,9 @@ class CoarseLevel {
             const x = layer % across * this.fold[0], y = Math.floor(layer / across) * this.fold[1];
             gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, x * s);
             gl.pixelStorei(gl.UNPACK_SKIP_ROWS, y * t);
-            gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, Math.min(width, (u - x) * s), Math.min(height, (v - y) * t), 1,
-                             gl.RGBA, half ? gl.HALF_FLOAT : gl.UNSIGNED_BYTE, pixels);
+            gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, Math.min(width, (u - x) * s),
+                             Math.min(height, (v - y) * t), 1, gl.RGBA, half ? gl.HALF_FLOAT : gl.UNSIGNED_BYTE,
+                             pixels);
         }
         for (const name of ['UNPACK_ROW_LENGTH', 'UNPACK_SKIP_PIXELS', 'UNPACK_SKIP_ROWS'])
             gl.pixelStorei(gl[name], 0);

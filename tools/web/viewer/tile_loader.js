@@ -1,12 +1,13 @@
-// Brings the tiles that views need into the cache, those that fill most of the picture first.
+// Loads the tiles that a view needs into the cache, starting with those that cover most pixels.
 
 class TileLoader {
-    // onTile(): a tile that is in view has come, or cannot be had.
+    // onTile() is called when a tile in view has arrived or has failed.
     constructor(workers, cache, onTile) {
-        Object.assign(this, {workers, cache, onTile, queue: [], rest: [], coming: new Set(), failed: new Map(), full: false, decoded: 0});
+        Object.assign(this, {workers, cache, onTile, queue: [], rest: [], coming: new Set(), failed: new Map()});
+        Object.assign(this, {full: false, decoded: 0});
     }
 
-    // counts: pixels by tile. What was wanted before and is not any more is left out.
+    // Replaces the queue. counts: tile -> number of pixels that use it.
     want(counts) {
         const tiles = [...counts.keys()].sort((a, b) => counts.get(b) - counts.get(a));
         this.cache.view(tiles);
@@ -14,7 +15,7 @@ class TileLoader {
         this.queue = tiles.filter(tile => this.lacks(tile));
         this.pump();
     }
-    // All others, too, when those are there: the cache has room for them.
+    // Also loads all other tiles once those in view are there. The cache must have room for them.
     wantAll() {
         if (!this.rest.length)
             this.rest = Array.from({length: this.cache.grid.tiles}, (_, i) => this.cache.grid.tiles - 1 - i);
@@ -24,7 +25,7 @@ class TileLoader {
     lacks(tile) {
         return !this.cache.has(tile) && !this.failed.has(tile);
     }
-    // Whether tiles in view are still to come.
+    // True while tiles in view are missing.
     get busy() {
         return this.queue.length > 0 || [...this.coming].some(tile => this.cache.inView.has(tile));
     }
@@ -37,7 +38,7 @@ class TileLoader {
         }
     }
 
-    // A tile that cannot be had stays coarse.
+    // Loads one tile. If it fails, its coarse texels stay visible.
     async bring(tile) {
         this.coming.add(tile);
         try {

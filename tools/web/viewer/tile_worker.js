@@ -1,4 +1,4 @@
-// Runs in workers, behind tessera.js and slot_layout.js: opens the file and decodes tiles into pixels of slots.
+// Runs in workers together with tessera.js and slot_layout.js. It opens the file and decodes tiles to pixels of slots.
 
 function startTileWorker() {
     let file, layout, charts = null;
@@ -9,7 +9,8 @@ function startTileWorker() {
         reads.set(++lastRead, {resolve, reject});
         postMessage({read: lastRead, offset, length});
     });
-    const asSamples = texels => file.info.type === 'half'
+    const isHalf = () => file.info.sampleType === SAMPLE_TYPE.half16;
+    const asSamples = texels => isHalf()
         ? new Uint16Array(texels.buffer.slice(texels.byteOffset, texels.byteOffset + texels.byteLength)) : texels;
 
     const jobs = {
@@ -25,14 +26,14 @@ function startTileWorker() {
         },
         async tile({box}) {
             const texels = asSamples(await file.fetchGridBox(box));
-            return {pixels: slotPixels(texels, box, file.info.channels, file.info.type === 'half', layout, charts)};
+            return {pixels: slotPixels(texels, box, file.info.channels, isHalf(), layout, charts)};
         },
-        // The angular images of a coarse level, as one row of places after the other.
+        // A whole coarse level, in the layout of one large tile without mips.
         async coarse({level}) {
             const {size} = file.info.levels[level], box = size.flatMap(n => [0, n]);
             const whole = new SlotLayout(size, 0);
-            return {pixels: slotPixels(asSamples(await file.fetchBox(box, undefined, level)), box, file.info.channels,
-                                       file.info.type === 'half', whole, null)};
+            const texels = asSamples(await file.fetchBox(box, undefined, level));
+            return {pixels: slotPixels(texels, box, file.info.channels, isHalf(), whole, null)};
         },
     };
 

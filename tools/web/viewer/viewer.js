@@ -1,8 +1,8 @@
-// The viewer: opens the file, brings tiles, draws when something changed. What the page shows of it: page.html.
+// The viewer opens the file, loads tiles and draws when something has changed. page.html contains its elements.
 
 const usualFov = 45;
 const usualCache = 256; // MiB of tiles on the GPU
-const smallFile = 1 << 18; // bytes; such a file is fetched as a whole
+const smallFile = 1 << 18; // bytes; files up to this size are fetched whole
 
 class Viewer {
     // kit: text(name), bytes(name); page: {canvas, note, figures, help, poster}.
@@ -11,7 +11,7 @@ class Viewer {
         this.hash = new URLSearchParams(location.hash.slice(1));
     }
 
-    // inputs: {bytes} or {url}, and {viewData}: what the tool found out about the file, or a promise of null.
+    // inputs: {bytes} or {url}, and {viewData}: a promise of the result of parsedViewData().
     async start(inputs) {
         this.gl = this.context();
         this.source = inputs.url ? await new RemoteSource(inputs.url, text => this.page.say(text)).open() : null;
@@ -28,10 +28,11 @@ class Viewer {
     }
 
     context() {
-        const gl = this.page.canvas.getContext('webgl2', {alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true});
+        const options = {alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true};
+        const gl = this.page.canvas.getContext('webgl2', options);
         if (!gl)
-            throw Error('This browser shows no WebGL2, which the viewer draws with. Current versions of Chromium, Firefox and ' +
-                        'Safari have it, unless it was switched off.');
+            throw Error('The viewer needs WebGL2, which this browser does not offer. Current versions of Chromium, ' +
+                        'Firefox and Safari have it unless it is switched off.');
         this.page.canvas.addEventListener('webglcontextlost', event => {
             event.preventDefault();
             this.page.say('The graphics device was reset.');
@@ -43,38 +44,43 @@ class Viewer {
     async setUp(data) {
         const {gl, info} = this, level = {...info.levels[0], size: info.gridSize}, about = data ? data.about : {};
         const background = [...(about.background || shownBackground(info)), 1];
-        const mesh = info.proxy === 'mesh' && data && data.about.mesh ? new MeshData(data.about.mesh, data.rest) : null;
-        if (info.proxy === 'mesh' && !mesh)
-            throw Error('The texture lies on a mesh, which only `tessera view` and `tessera serve` can unpack: use one of them.');
+        const isHalf = info.sampleType === SAMPLE_TYPE.half16, isMesh = info.proxy === PROXY.mesh;
+        const isSphere = info.proxy === PROXY.sphere || info.proxy === PROXY.sphereInside;
+        const isPlanar = info.proxy === PROXY.none && info.angularMap === ANGULAR_MAP.planarViews;
+        const mesh = isMesh && data && data.about.mesh ? new MeshData(data.about.mesh, data.rest) : null;
+        if (isMesh && !mesh)
+            throw Error('The texture lies on a mesh, which this page cannot decode. ' +
+                        'Use `tessera view` or `tessera serve`.');
         this.surface = mesh ? new MeshSurface(gl, info, mesh, background)
-            : info.proxy === 'planar' ? new PlanarSurface(info, background, numbersOf(about.cameras, 4))
-            : info.proxy === 'sphere' ? new SphereSurface(info, background) : null;
+            : isPlanar ? new PlanarSurface(info, background, numbersOf(about.cameras, 4))
+            : isSphere ? new SphereSurface(info, background) : null;
         if (!this.surface)
-            throw Error('The file does not say what its texture lies on; `tessera encode` has --proxy to say it.');
+            throw Error('The file does not say what its texture lies on. Encode it with --proxy.');
         const budget = (Number(this.hash.get('cache')) || usualCache) * 2 ** 20, mips = mesh ? mesh.mips : 0;
-        const grid = (this.bytes && allDirections(level, mips, info.type === 'half' ? 8 : 4, budget)) ||
+        const grid = (this.bytes && allDirections(level, mips, isHalf ? 8 : 4, budget)) ||
             new TileGrid(level.size, level.tile, level.tiles);
         grid.checkFloats();
         const layout = new SlotLayout(grid.tileSide, mips);
-        this.cache = new TileCache(gl, grid, layout, info.type === 'half', budget);
+        this.cache = new TileCache(gl, grid, layout, isHalf, budget);
         this.renderer = new Renderer(gl, this.kit, info, this.surface, this.cache);
         this.renderer.empty = [...shownBackground(info), 1];
-        await this.workers.prepare({tileSide: grid.tileSide, mips, chartIds: mesh && mesh.charts.ids, chartSize: mesh && mesh.charts.size});
+        const charts = {chartIds: mesh?.charts.ids, chartSize: mesh?.charts.size};
+        await this.workers.prepare({tileSide: grid.tileSide, mips, ...charts});
         this.loader = new TileLoader(this.workers, this.cache, () => this.sharpen());
         this.usual = {...this.surface.defaultPose(), ...this.poseOfHash()};
         this.lastPose = this.usual;
         this.lastFov = Number(this.hash.get('fov')) || usualFov;
     }
 
-    // Coarse levels, the smallest first: the whole texture at once.
+    // Loads coarse levels, the smallest first, so that the whole texture is visible at once.
     async showCoarse() {
-        const {levels, type} = this.info, texel = type === 'half' ? 8 : 4;
+        const {levels} = this.info, {half} = this.renderer, texel = half ? 8 : 4;
         for (let level = levels.length - 1; level > 0; --level) {
             const {size, spatialLod, angularLod} = levels[level];
             if (size.reduce((a, b) => a * b) * texel > 32e6)
                 break;
             const first = this.workers.run({job: 'coarse', level}).then(({pixels}) => {
-                this.renderer.coarse = new CoarseLevel(this.gl, size, [spatialLod, angularLod], type === 'half', pixels);
+                this.renderer.coarse = new CoarseLevel(this.gl, size, [spatialLod, angularLod], half, pixels);
                 this.change(true);
             }).catch(error => this.page.say(error.message));
             if (level === levels.length - 1)
@@ -82,7 +88,8 @@ class Viewer {
         }
     }
 
-    // eye=x,y,z look=x,y,z fov=45 rays=1 size=640x480; of planar views focus=2.7 reach=1 middle=x,y zoom=1.
+    // The hash may contain eye=x,y,z look=x,y,z fov=45 rays=1 size=640x480, and for planar views also focus=2.7 reach=1
+    // middle=x,y zoom=1.
     poseOfHash() {
         const pose = {};
         for (const [name, length] of [['eye', 3], ['look', 3], ['middle', 2]]) {
@@ -130,9 +137,10 @@ class Viewer {
         this.lastFov = Number(this.hash.get('fov')) || usualFov;
         this.pose = this.usual;
     }
-    // From where the whole thing fills the picture.
+    // Moves the eye to where the whole surface fills the picture.
     frameAll() {
-        const {centre, radius} = this.surface.mesh ? this.surface : this.info, arm = sub(this.pose.eye || [], this.pose.look || []);
+        const {centre, radius} = this.surface.mesh ? this.surface : this.info;
+        const arm = sub(this.pose.eye || [], this.pose.look || []);
         if (!this.surface.planar && !this.surface.inside)
             this.pose = {look: centre, eye: add(centre, scale(unit(arm), radius / Math.sin(this.fov * Math.PI / 360)))};
     }
@@ -141,7 +149,7 @@ class Viewer {
         return performance.now() - (this.moved || -1e9) < 150;
     }
 
-    // What is drawn now: pixels of the display, and the camera.
+    // The view to draw: the size in pixels of the display, the pose, the rays per pixel and the camera.
     view() {
         const {canvas} = this.page, fixed = /^(\d+)x(\d+)$/.exec(this.hash.get('size') || '');
         const ratio = devicePixelRatio || 1;
@@ -151,13 +159,15 @@ class Viewer {
         const pixels = (fixed ? [+fixed[1], +fixed[2]] : [canvas.clientWidth * ratio, canvas.clientHeight * ratio])
             .map(n => clamp(Math.round(n), 1, most));
         const aspect = pixels[0] / pixels[1], {surface, pose} = this;
-        // In an upright window the angle is that across.
-        const fov = fixed || aspect >= 1 ? this.fov : Math.atan(Math.tan(this.fov * Math.PI / 360) / aspect) * 360 / Math.PI;
+        // In a window that is higher than wide, fov is the horizontal field of view.
+        const fov = fixed || aspect >= 1 ? this.fov
+                                         : Math.atan(Math.tan(this.fov * Math.PI / 360) / aspect) * 360 / Math.PI;
         const rays = clamp(Number(this.hash.get('rays')) || (this.moving ? 1 : surface.rays), 1, Renderer.mostRays);
-        return {pixels, pose, rays, camera: surface.planar ? surface.camera(pose, fov, aspect) : makeCamera(pose, fov, aspect)};
+        const camera = surface.planar ? surface.camera(pose, fov, aspect) : makeCamera(pose, fov, aspect);
+        return {pixels, pose, rays, camera};
     }
 
-    // Something is to be drawn; tiles: it is only new texels, the same ones are in view.
+    // Requests a new picture. tilesOnly: tiles have arrived, but the view needs the same tiles as before.
     change(tilesOnly = false) {
         this.ray = 0;
         if (!tilesOnly)
@@ -165,15 +175,16 @@ class Viewer {
         this.schedule();
     }
 
-    // Tiles have come: drawn at once where they are the last, else now and then. Without a GPU a frame takes
-    // longer than a tile, and the processors that draw it are those that decode: they do so for a third of the time.
+    // Called when a tile has arrived. The last one is drawn at once, earlier ones only now and then. Without a GPU a
+    // frame takes longer than a tile, and drawing competes with decoding for the CPU, so drawing gets a third of the
+    // time.
     sharpen() {
         if (this.loader.busy && (this.isDrawing() || performance.now() < this.restsUntil))
             return;
         this.change(true);
     }
 
-    // Whether the device still draws the frame that was begun last. Sets how long it rests when it is done.
+    // True while the device draws the last frame. When it has finished, sets the pause before the next one.
     isDrawing() {
         const {gl} = this;
         if (this.drawn && gl.getSyncParameter(this.drawn, gl.SYNC_STATUS) === gl.SIGNALED) {
@@ -216,12 +227,12 @@ class Viewer {
             this.waiting.splice(0).forEach(resolve => resolve());
     }
 
-    // More than one ray a pixel is for a picture that stays.
+    // While tiles are missing, one ray per pixel is enough.
     mayDraw(view) {
         return this.ray < (this.loader.busy ? Math.min(1, view.rays) : view.rays);
     }
 
-    // First a rough search, at once; when that is served a thorough one, whose tiles are few.
+    // Searches coarsely at once. When the tiles of this search are there, an exact search finds the few others.
     findTiles(view) {
         const {cache, loader, renderer} = this;
         if (cache.tiles.size === cache.grid.tiles)
@@ -244,7 +255,7 @@ class Viewer {
         }
     }
 
-    // Resolves when the picture is as good as it gets.
+    // Resolves when the picture is final.
     settled() {
         return new Promise(resolve => {
             this.waiting.push(resolve);
@@ -263,7 +274,7 @@ class Viewer {
         this.page.toggle('help');
     }
 
-    // Milliseconds from one frame to the next, of the newest that followed each other; 0: there are none.
+    // Mean time between consecutive recent frames in milliseconds; 0 if there are none.
     get drawTime() {
         this.frames.splice(0, this.frames.length - 20);
         const steps = this.frames.slice(1).map((at, i) => at - this.frames[i]).filter(step => step < 5000);
@@ -271,21 +282,21 @@ class Viewer {
     }
 }
 
-// Where all of the file is at hand and has room on the GPU, all directions of a place are brought together: then the
-// texture unit mixes any four of them. null: it has not.
+// A grid in which a tile contains all directions of its positions, so that the texture unit can interpolate between any
+// directions. Used if the whole file is in memory; null if the texture does not fit into the budget.
 function allDirections({size, tile, tiles}, mips, texelBytes, budget) {
     const [, , s, t] = size, grid = new TileGrid(size, [tile[0], tile[1], s, t], [tiles[0], tiles[1], 1, 1]);
     const {width, height} = new SlotLayout(grid.tileSide, mips);
     return Math.max(width, height) <= 4096 && grid.tiles * width * height * texelBytes <= budget ? grid : null;
 }
 
-// "1,2,3" -> [1, 2, 3]; null where it is anything else.
+// Parses "1,2,3" to [1, 2, 3]; null if `text` is not a list of `count` numbers.
 function numbersOf(text, count) {
     const numbers = (text || '').split(',').map(Number);
     return text && numbers.length === count && numbers.every(Number.isFinite) ? numbers : null;
 }
 
-// The colour of what has no tile, as the file has it.
+// The background colour of the file as RGB.
 function shownBackground({background}) {
     return background.length >= 3 ? background.slice(0, 3) : [0, 1, 2].map(() => background[0]);
 }

@@ -1,11 +1,13 @@
-// The workers that decode, and their work in the order in which it is wanted.
+// The workers that decode, and their jobs.
 
 class Workers {
-    static jobsAhead = 2; // of one worker: the next travels while one is decoded
+    static jobsAhead = 2; // jobs per worker: one that is decoded, and one that is ready when it ends
 
-    // source: RemoteSource, or null where `bytes` are the whole file.
+    // source: a RemoteSource, or null if `bytes` is the whole file.
     constructor(kit, source, bytes) {
-        const code = ['tessera.js', 'slot_layout.js', 'tile_worker.js'].map(name => kit.text(name).replace(/^export /gm, '')).join('\n');
+        const code = ['tessera.js', 'slot_layout.js', 'tile_worker.js']
+                         .map(name => kit.text(name).replace(/^export /gm, ''))
+                         .join('\n');
         this.address = URL.createObjectURL(new Blob([code, '\nstartTileWorker();'], {type: 'text/javascript'}));
         Object.assign(this, {kit, source, bytes, answers: new Map(), lastJob: 0});
         this.workers = [this.start()];
@@ -14,24 +16,25 @@ class Workers {
     start() {
         const worker = {thread: new Worker(this.address), busy: 0};
         worker.thread.onmessage = ({data}) => data.read ? this.read(worker, data) : this.answered(worker, data);
-        worker.thread.onerror = event => this.broken(event.message || 'a worker could not start');
+        worker.thread.onerror = event => this.broken(event.message || 'a worker failed to start');
         return worker;
     }
 
-    // Opens the file; then more workers open it, too. Returns what the file says about itself.
+    // Opens the file in one worker, then in more of them. Returns the Info of the file.
     async open() {
         const size = this.source && this.source.size;
-        const open = worker => this.job(worker, {job: 'open', wasm: this.kit.bytes('tessera.wasm'), bytes: this.bytes, size});
+        const open = worker =>
+            this.job(worker, {job: 'open', wasm: this.kit.bytes('tessera.wasm'), bytes: this.bytes, size});
         const {info} = await open(this.workers[0]);
         const more = clamp((navigator.hardwareConcurrency || 2) - 1, 1, 4) - 1;
         for (let i = 0; i < more; ++i)
             this.workers.push(this.start());
-        // As many as there is memory for.
+        // Workers for which there is no memory are dropped.
         this.opened = Promise.all(this.workers.slice(1).map(worker => open(worker).catch(() => this.drop(worker))));
         return info;
     }
 
-    // Told to all of them.
+    // Sends a job of type "prepare" to all workers.
     async prepare(job) {
         await this.opened;
         await Promise.all(this.workers.map(worker => this.job(worker, {job: 'prepare', ...job})));
@@ -41,13 +44,14 @@ class Workers {
         return this.workers.reduce((sum, w) => sum + Math.max(0, Workers.jobsAhead - w.busy), 0);
     }
 
-    // No more jobs for it; what it was given it answers.
+    // Stops giving jobs to a worker, which still completes the ones it has.
     drop(worker) {
         if (this.workers.length > 1)
             this.workers = this.workers.filter(w => w !== worker);
     }
 
-    // By the worker with the least to do. An error `elsewhere`: its file is gone, others may do the same job.
+    // Gives a job to the least busy worker. An error with `elsewhere` means that this worker has lost its file, and
+    // that another one may do the job.
     run(job) {
         return this.job(this.workers.reduce((best, w) => w.busy < best.busy ? w : best), job);
     }
