@@ -67,9 +67,8 @@ public:
     // desc().box_bytes(box) bytes (in the order of texture.h). Reads only the tiles that the box
     // touches. On an error `out` is unspecified. Errors: bad_argument (the box or the buffer does
     // not fit), io, invalid_file, runtime (interrupted).
-    Status decode_box(const Box4& box, std::span<std::byte> out, unsigned threads = 0,
-                      Integrity integrity = Integrity::page) const;
-    Status decode_box(const Box4& box, std::span<std::byte> out, const ReadOptions& options) const;
+    Status decode_box(const Box4& box, std::span<std::byte> out,
+                      const ReadOptions& options = {}) const;
 
     // The same for a box of container().grid(). The grid equals the texture unless views are
     // aligned; then it is larger, and texels outside all views have arbitrary values.

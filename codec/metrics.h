@@ -30,8 +30,7 @@ double psnr_of(double mse, double peak);
 // 256.
 double pu21_encode(double luminance);
 
-constexpr double half_peak = 31743; // half_ordinal of 65504, the peak for PSNR over half floats
-constexpr double pu21_peak = 256;   // the authors' peak for PSNR and SSIM
+constexpr double pu21_peak = 256;           // the authors' peak for PSNR and SSIM
 constexpr double luminance_of_one = 100;    // cd/m2 of linear 1.0
 constexpr double log2_floor = 1e-4;         // log2-PSNR compares log2(max(x, log2_floor))
 constexpr double log2_peak = 29.2870077666; // its peak, log2(65504 / log2_floor)
@@ -59,7 +58,7 @@ public:
     void merge(const ErrorSums& later);
 
     std::uint64_t texels() const { return texels_; } // that count
-    // PSNR in dB. The peak is 255 for unorm8 and half_peak, over half_ordinal(), for half16.
+    // PSNR in dB. The peak is the largest code: 255 for unorm8, 31743 for half16.
     double psnr() const; // over all samples, including alpha
     double psnr(unsigned channel) const;
     // unorm8 only: PSNR of BT.709 luma of the code values. With fewer than 3 channels, psnr(0).

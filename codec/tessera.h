@@ -1,4 +1,4 @@
-/* Tessera for C and for other languages: C API 1.
+/* Tessera for C and for other languages: C API 2.
  *
  * Texels. A texture T(u,v,s,t) is a dense array in the order v, u, t, s (s fastest); the channels
  * of a texel are adjacent. A sample is one byte, or an IEEE 754 half in the machine's byte order
@@ -50,8 +50,8 @@ extern "C" {
 
 /* ---- Versions and errors --------------------------------------------------------------------- */
 
-/* The version of this interface. It stays 1 as long as programs that were compiled for 1 work. */
-#define TESSERA_API_VERSION 1
+/* The version of this interface. It stays 2 as long as programs that were compiled for 2 work. */
+#define TESSERA_API_VERSION 2
 
 /* TESSERA_API_VERSION of the library that is running. */
 TESSERA_API uint32_t tessera_api_version(void);

@@ -32,7 +32,7 @@ inline std::uint8_t unorm8_of_half(std::uint16_t half) {
 
 inline void samples_to_halves(SampleType type, const std::byte* samples,
                               std::span<std::uint16_t> halves) {
-    if (type == SampleType::half16) {
+    if (traits_of(type).is_float) {
         std::memcpy(halves.data(), samples, halves.size_bytes());
         return;
     }
@@ -42,7 +42,7 @@ inline void samples_to_halves(SampleType type, const std::byte* samples,
 
 inline void halves_to_samples(SampleType type, std::span<const std::uint16_t> halves,
                               std::byte* samples) {
-    if (type == SampleType::half16) {
+    if (traits_of(type).is_float) {
         std::memcpy(samples, halves.data(), halves.size_bytes());
         return;
     }

@@ -139,7 +139,7 @@ glm::dvec3 radiance(const Scene& scene, const Ray& ray, ObjectMask candidates, i
 }
 
 glm::dvec3 displayed(const Scene& scene, const glm::dvec3& light) {
-    return scene.type == SampleType::unorm8 ? glm::min(light, glm::dvec3{1.0}) : light;
+    return traits_of(scene.type).is_float ? light : glm::min(light, glm::dvec3{1.0});
 }
 
 } // namespace

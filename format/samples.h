@@ -70,6 +70,18 @@ constexpr std::size_t sample_bytes(SampleType type) {
     return traits_of(type).bytes;
 }
 
+// Returns body.operator()<type>(), which the compiler can specialise for the type, as loops over
+// samples need. Precondition: is_known(type).
+template <class Body> constexpr decltype(auto) with_type(SampleType type, const Body& body) {
+    switch (type) { // without default, so that the compiler names a type that is missing
+    case SampleType::unorm8:
+        break;
+    case SampleType::half16:
+        return body.template operator()<SampleType::half16>();
+    }
+    return body.template operator()<SampleType::unorm8>();
+}
+
 // The number that a half stands for, exactly. NaN and infinities are kept.
 inline float half_to_float(std::uint16_t h) {
     const std::uint32_t sign = std::uint32_t{h & 0x8000u} << 16;

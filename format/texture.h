@@ -54,6 +54,14 @@ struct Box4 {
         return {end[0] - begin[0], end[1] - begin[1], end[2] - begin[2], end[3] - begin[3]};
     }
     std::uint64_t texels() const { return texel_count(extent()); }
+    // The index of a texel of this box among the dense texels of the box.
+    std::uint64_t index_of(const Extent4& at) const {
+        const Extent4 n = extent();
+        const std::uint64_t place =
+            std::uint64_t{at[axis_v] - begin[axis_v]} * n[axis_u] + (at[axis_u] - begin[axis_u]);
+        return (place * n[axis_t] + (at[axis_t] - begin[axis_t])) * n[axis_s] +
+               (at[axis_s] - begin[axis_s]);
+    }
     bool operator==(const Box4&) const = default;
 };
 

@@ -201,7 +201,8 @@ Status Watch::explain(const Status& status) const {
 
 Result<TextureDesc> take_samples(const tessera_texture& texture) {
     TextureDesc desc;
-    TESSERA_TRY_ASSIGN(desc.type, take_enum(texture.type, SampleType::half16, "the sample type"));
+    constexpr auto last = static_cast<SampleType>(sample_types.size() - 1);
+    TESSERA_TRY_ASSIGN(desc.type, take_enum(texture.type, last, "the sample type"));
     if (texture.channels < 1 || texture.channels > 4)
         return bad("the number of channels is " + std::to_string(texture.channels) +
                    ", outside 1..4");

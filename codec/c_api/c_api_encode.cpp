@@ -59,15 +59,14 @@ Result<std::unique_ptr<TexelSource>> make_source(const tessera_texel_source* sou
 Result<Description> make_description(const tessera_description* given) {
     TESSERA_TRY_ASSIGN(const tessera_description d, take_struct(given, {}, "tessera_description"));
     Description description;
-    TESSERA_TRY_ASSIGN(description.proxy, take_enum(d.proxy, Proxy::sphere_inside, "proxy"));
+    TESSERA_TRY_ASSIGN(description.proxy, take_enum<Proxy>(d.proxy, "proxy"));
     TESSERA_TRY_ASSIGN(description.surface_map,
-                       take_enum(d.surface_map, SurfaceMap::mesh_uv, "surface_map"));
+                       take_enum<SurfaceMap>(d.surface_map, "surface_map"));
     TESSERA_TRY_ASSIGN(description.angular_map,
-                       take_enum(d.angular_map, AngularMap::octahedral_mirrored, "angular_map"));
-    TESSERA_TRY_ASSIGN(description.transfer, take_enum(d.transfer, Transfer::linear, "transfer"));
-    TESSERA_TRY_ASSIGN(description.primaries,
-                       take_enum(d.primaries, Primaries::bt709, "primaries"));
-    TESSERA_TRY_ASSIGN(description.alpha, take_enum(d.alpha, AlphaMode::premultiplied, "alpha"));
+                       take_enum<AngularMap>(d.angular_map, "angular_map"));
+    TESSERA_TRY_ASSIGN(description.transfer, take_enum<Transfer>(d.transfer, "transfer"));
+    TESSERA_TRY_ASSIGN(description.primaries, take_enum<Primaries>(d.primaries, "primaries"));
+    TESSERA_TRY_ASSIGN(description.alpha, take_enum<AlphaMode>(d.alpha, "alpha"));
     std::copy_n(d.sphere_centre, 3, description.sphere_centre);
     description.sphere_radius = d.sphere_radius;
     std::copy_n(d.viewing_radius, 2, description.viewing_radius);

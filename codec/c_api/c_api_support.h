@@ -3,6 +3,7 @@
 
 #include "codec/decoder.h"
 #include "codec/tessera.h"
+#include "format/metadata.h"
 #include "format/status.h"
 #include "format/texture.h"
 
@@ -162,6 +163,11 @@ template <class Enum> Result<Enum> take_enum(std::int32_t number, Enum last, con
         return bad(std::string(name) + " is " + std::to_string(number) + ", outside 0.." +
                    std::to_string(static_cast<std::int32_t>(last)));
     return static_cast<Enum>(number);
+}
+
+// The same for an enumeration with names: the last value is that of the last name.
+template <NamedEnum Enum> Result<Enum> take_enum(std::int32_t number, const char* name) {
+    return take_enum(number, static_cast<Enum>(value_names<Enum>.size() - 1), name);
 }
 
 // Takes only the type and the channels.

@@ -87,18 +87,18 @@ double log2_of_half(std::uint16_t half) {
 }
 
 // The value that SSIM compares: 8-bit luma rounded to a step, or the PU21 code of BT.709 luminance.
-float structure_value(const TextureDesc& desc, const std::byte* texel) {
-    if (desc.type == SampleType::unorm8) {
+float structure_value(bool is_float, unsigned channels, const std::byte* texel) {
+    if (!is_float) {
         const auto at = [&](int c) { return std::to_integer<std::int64_t>(texel[c]); };
         return static_cast<float>(
-            desc.channels < 3
+            channels < 3
                 ? at(0)
                 : (luma_r * at(0) + luma_g * at(1) + luma_b * at(2) + luma_one / 2) / luma_one);
     }
     const auto at = [&](int c) {
         return half_to_float(finite_half(load_le<std::uint16_t>(texel + 2 * c)));
     };
-    const float y = desc.channels < 3 ? at(0) : 0.2126f * at(0) + 0.7152f * at(1) + 0.0722f * at(2);
+    const float y = channels < 3 ? at(0) : 0.2126f * at(0) + 0.7152f * at(1) + 0.0722f * at(2);
     return pu21_table()(y * static_cast<float>(luminance_of_one));
 }
 
@@ -283,6 +283,7 @@ private:
     void gather(const Box4& slab, const Box4& box, const std::byte* texel,
                 std::vector<float>& planes) const {
         const std::size_t view = view_stride(), row = desc_.size[axis_u];
+        const bool is_float = traits_of(desc_.type).is_float;
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
             for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
                 for (std::uint32_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t)
@@ -290,7 +291,8 @@ private:
                         const std::size_t index =
                             std::size_t{t - slab.begin[axis_t]} * slab.extent()[axis_s] +
                             (s - slab.begin[axis_s]);
-                        planes[index * view + v * row + u] = structure_value(desc_, texel);
+                        planes[index * view + v * row + u] =
+                            structure_value(is_float, desc_.channels, texel);
                         texel += desc_.texel_bytes();
                     }
     }
@@ -298,7 +300,8 @@ private:
     Status add_structure(const Box4& slab) {
         const Extent4 e = slab.extent();
         const std::uint64_t count = std::uint64_t{e[axis_s]} * e[axis_t];
-        const double peak = desc_.type == SampleType::unorm8 ? 255 : pu21_peak;
+        const SampleTraits& traits = traits_of(desc_.type);
+        const double peak = traits.is_float ? pu21_peak : traits.largest_code;
         std::vector<double> values(count);
         TESSERA_TRY(for_each_index(count, threads_, [&](std::uint64_t i) {
             const std::size_t first = i * view_stride(), view = view_texels();
@@ -354,10 +357,14 @@ double pu21_encode(double luminance) {
 
 void ErrorSums::add(const Box4& box, std::span<const std::byte> a, std::span<const std::byte> b,
                     std::span<const std::byte> matters) {
-    if (desc_.type == SampleType::unorm8)
+    switch (desc_.type) { // without default, so that the compiler names a type that is missing
+    case SampleType::unorm8:
         add_unorm8(box, a.data(), b.data(), matters);
-    else
+        break;
+    case SampleType::half16:
         add_half16(box, a.data(), b.data(), matters);
+        break;
+    }
     texels_ += box.texels() - free_count(matters);
 }
 
@@ -454,19 +461,20 @@ double ErrorSums::psnr() const {
     for (unsigned c = 0; c < desc_.channels; ++c)
         sum += squared_[c];
     return psnr_of(sum / (static_cast<double>(texels_) * desc_.channels),
-                   desc_.type == SampleType::unorm8 ? 255 : half_peak);
+                   traits_of(desc_.type).largest_code);
 }
 
 double ErrorSums::psnr(unsigned channel) const {
     return psnr_of(squared_[channel] / static_cast<double>(texels_),
-                   desc_.type == SampleType::unorm8 ? 255 : half_peak);
+                   traits_of(desc_.type).largest_code);
 }
 
 double ErrorSums::psnr_luma() const {
-    if (desc_.channels < 3 || desc_.type != SampleType::unorm8)
+    const SampleTraits& traits = traits_of(desc_.type);
+    if (desc_.channels < 3 || traits.is_float)
         return psnr(0);
     const double one = static_cast<double>(luma_one * luma_one);
-    return psnr_of(luma_ / one / static_cast<double>(texels_), 255);
+    return psnr_of(luma_ / one / static_cast<double>(texels_), traits.largest_code);
 }
 
 double ErrorSums::psnr_log2() const {
@@ -508,7 +516,7 @@ double ssim(std::span<const float> a, std::span<const float> b, std::uint32_t wi
 Status check_comparable(const TextureDesc& a, const TextureDesc& b) {
     const auto words = [](const TextureDesc& d) {
         return to_string(d.size) + ", " + std::to_string(d.channels) + " channels of " +
-               (d.type == SampleType::unorm8 ? "unorm8" : "half16");
+               traits_of(d.type).name;
     };
     if (a == b)
         return {};

@@ -166,11 +166,6 @@ Status check_request(const ContainerReader& container, const Box4& box, const Ex
 
 } // namespace
 
-Status Decoder::decode_box(const Box4& box, std::span<std::byte> out, unsigned threads,
-                           Integrity integrity) const {
-    return decode_box(box, out, ReadOptions{.threads = threads, .integrity = integrity});
-}
-
 Status Decoder::decode_box(const Box4& box, std::span<std::byte> out,
                            const ReadOptions& options) const {
     return decode_views(state_->container.aligned_views(), box, out, options);

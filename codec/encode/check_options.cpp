@@ -62,7 +62,7 @@ Status check_tile_count(const TextureDesc& desc, const EncodeOptions& options) {
 Status check_rate(const RateTarget& rate, SampleType type) {
     using Kind = RateTarget::Kind;
     const double value = rate.value;
-    const double largest_error = type == SampleType::unorm8 ? 255 : 65535;
+    const std::int32_t largest_error = traits_of(type).largest_error;
     if (!std::isfinite(value))
         return refused("the rate target is not a number");
     switch (rate.kind) {
@@ -75,7 +75,7 @@ Status check_rate(const RateTarget& rate, SampleType type) {
         return value >= 0 && value <= largest_error && value == std::floor(value)
                    ? Status()
                    : refused("maximum error must be a whole number from 0 to " +
-                             std::to_string(static_cast<int>(largest_error)));
+                             std::to_string(largest_error));
     case Kind::bpt:
     case Kind::bytes:
         return value > 0 ? Status() : refused("the size target must be above 0");
@@ -84,19 +84,19 @@ Status check_rate(const RateTarget& rate, SampleType type) {
 }
 
 // The caller may have cast any number to an enumeration.
-template <class Enum> Status check_known(Enum value, Enum last, const char* name) {
-    return value <= last ? Status()
-                         : refused(std::string(name) + " " +
-                                   std::to_string(static_cast<unsigned>(value)) + " is unknown");
+template <NamedEnum Enum> Status check_known(Enum value, const char* name) {
+    return is_known(value) ? Status()
+                           : refused(std::string(name) + " " +
+                                     std::to_string(static_cast<unsigned>(value)) + " is unknown");
 }
 
 Status check_description(const TextureDesc& desc, const Description& d) {
-    TESSERA_TRY(check_known(d.proxy, Proxy::sphere_inside, "proxy"));
-    TESSERA_TRY(check_known(d.surface_map, SurfaceMap::mesh_uv, "surface map"));
-    TESSERA_TRY(check_known(d.angular_map, AngularMap::octahedral_mirrored, "angular map"));
-    TESSERA_TRY(check_known(d.transfer, Transfer::linear, "transfer"));
-    TESSERA_TRY(check_known(d.primaries, Primaries::bt709, "primaries"));
-    TESSERA_TRY(check_known(d.alpha, AlphaMode::premultiplied, "alpha"));
+    TESSERA_TRY(check_known(d.proxy, "proxy"));
+    TESSERA_TRY(check_known(d.surface_map, "surface map"));
+    TESSERA_TRY(check_known(d.angular_map, "angular map"));
+    TESSERA_TRY(check_known(d.transfer, "transfer"));
+    TESSERA_TRY(check_known(d.primaries, "primaries"));
+    TESSERA_TRY(check_known(d.alpha, "alpha"));
     // The rules are those of a file's header, but the caller knows of no header field.
     FileHeader header;
     header.desc = desc;
@@ -166,7 +166,7 @@ Status check_reuse(const TextureDesc& desc, const EncodeOptions& options) {
     const TextureDesc& other = file.desc();
     const auto text_of_desc = [](const TextureDesc& d) {
         return to_string(d.size) + ", " + std::to_string(d.channels) + " x " +
-               (d.type == SampleType::unorm8 ? "unorm8" : "half");
+               traits_of(d.type).name;
     };
     if (other.size != desc.size || other.type != desc.type || other.channels != desc.channels)
         return refused("the file to reuse holds another texture: " + text_of_desc(other) +

@@ -75,7 +75,7 @@ JournalFacts facts_of(const EncodePlan& plan) {
     JournalFacts facts = {
         {"version of the encoder", library_version},
         {"size", to_string(plan.views.texture_size())},
-        {"sample type", desc.type == SampleType::unorm8 ? "unorm8" : "half16"},
+        {"sample type", traits_of(desc.type).name},
         {"number of channels", std::to_string(desc.channels)},
         {"rate", rate_text(o.rate)},
         {"effort", std::to_string(o.effort)},

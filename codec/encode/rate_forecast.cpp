@@ -29,7 +29,13 @@ EncodePlan quick_plan(const EncodePlan& plan) {
 } // namespace
 
 StepRange StepRange::of(SampleType type) {
-    return {-1, type == SampleType::unorm8 ? 9.0 : 15.0};
+    switch (type) { // without default, so that the compiler names a type that is missing
+    case SampleType::unorm8:
+        break;
+    case SampleType::half16:
+        return {-1, 15};
+    }
+    return {-1, 9};
 }
 
 double next_step(std::vector<RatePoint> points, double goal) {

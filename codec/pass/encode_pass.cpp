@@ -50,7 +50,7 @@ void sort_by_places(const TileGrid& grid, std::vector<std::uint64_t>& tiles) {
 double PassResult::psnr(const TextureDesc& desc, std::uint64_t texels) const {
     if (totals.squared_error == 0)
         return 999;
-    const double peak = desc.type == SampleType::unorm8 ? 255.0 : 31743.0;
+    const double peak = traits_of(desc.type).largest_code;
     const double samples = static_cast<double>(texels) * desc.channels;
     return 10.0 * std::log10(peak * peak * samples / totals.squared_error);
 }

@@ -4,6 +4,20 @@
 #include <cmath>
 
 namespace tessera {
+namespace {
+
+// The step of quality 100, in codes.
+double smallest_step(SampleType type) {
+    switch (type) { // without default, so that the compiler names a type that is missing
+    case SampleType::unorm8:
+        break;
+    case SampleType::half16:
+        return 12;
+    }
+    return 0.75;
+}
+
+} // namespace
 
 CodingParameters parameters_for_step(double step, const TextureDesc& desc,
                                      const EffortSettings& effort) {
@@ -33,7 +47,7 @@ CodingParameters coding_parameters(double step, const EncodePlan& plan) {
 }
 
 double step_of_quality(double quality, SampleType type) {
-    return 0.75 * std::exp2((100.0 - quality) / 8.0) * (type == SampleType::half16 ? 16.0 : 1.0);
+    return smallest_step(type) * std::exp2((100.0 - quality) / 8.0);
 }
 
 } // namespace tessera

@@ -31,7 +31,7 @@ std::uint64_t unsigned_of(std::int32_t value) {
 
 void measure_error(std::span<const std::byte> a, std::span<const std::byte> b, SampleType type,
                    CodedTile& tile) {
-    if (type == SampleType::unorm8) {
+    if (sample_bytes(type) == 1) {
         const ByteErrors errors = search_kernels().compare_bytes(
             reinterpret_cast<const unsigned char*>(a.data()),
             reinterpret_cast<const unsigned char*>(b.data()), a.size());

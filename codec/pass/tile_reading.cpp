@@ -19,7 +19,7 @@ bool is_infinite(const std::byte* half) {
 // coordinates in the texture; "" if there is none.
 std::string first_not_finite(std::span<const std::byte> texels, const Box4& box,
                              const TextureDesc& desc, const AlignedViews& views) {
-    if (desc.type == SampleType::unorm8)
+    if (!traits_of(desc.type).is_float)
         return "";
     std::size_t at = 0;
     while (at + 1 < texels.size() && !is_not_finite(&texels[at]))
@@ -59,7 +59,7 @@ Status read_texels(TexelSource& source, TexelSource* mask, const Box4& box, Tile
 } // namespace
 
 void make_finite(std::span<std::byte> texels, SampleType type, CodedTile& counts) {
-    if (type == SampleType::unorm8)
+    if (!traits_of(type).is_float)
         return;
     for (std::size_t i = 0; i + 1 < texels.size(); i += 2) {
         if (!is_not_finite(&texels[i]))

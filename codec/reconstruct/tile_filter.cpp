@@ -37,10 +37,12 @@ void filter_planes(const TileCoding& coding, Kernel kernel, std::vector<Value>& 
 void filter_tile(const TileCoding& coding, FilterScratch& scratch, TilePlanes& planes) {
     if (!coding.parameters.filter.is_on())
         return;
-    if (coding.type == SampleType::unorm8)
-        filter_planes(coding, kernels().filter_view, scratch.narrow, planes);
-    else
-        filter_planes(coding, kernels().filter_wide_view, scratch.wide, planes);
+    switch (coding.type) { // each kernel has the constants of one type
+    case SampleType::unorm8:
+        return filter_planes(coding, kernels().filter_view, scratch.narrow, planes);
+    case SampleType::half16:
+        return filter_planes(coding, kernels().filter_wide_view, scratch.wide, planes);
+    }
 }
 
 } // namespace tessera

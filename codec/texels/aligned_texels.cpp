@@ -73,20 +73,15 @@ public:
         const std::size_t bytes = desc_.texel_bytes();
         std::vector<std::byte> texels(static_cast<std::size_t>(desc_.box_bytes(around)));
         TESSERA_TRY(source_.read(around, texels));
-        const Extent4 n = around.extent(), size = views_.texture_size();
+        const Extent4 size = views_.texture_size();
         std::byte* to = out.data();
         for (std::uint32_t v = box.begin[axis_v]; v < box.end[axis_v]; ++v)
             for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
                 for (std::uint32_t t = box.begin[axis_t]; t < box.end[axis_t]; ++t) {
-                    const std::size_t row =
-                        nearest(v, views_.shift_v(t), size[axis_v]) - around.begin[axis_v];
+                    const std::uint32_t row = nearest(v, views_.shift_v(t), size[axis_v]);
                     for (std::uint32_t s = box.begin[axis_s]; s < box.end[axis_s]; ++s) {
-                        const std::size_t column =
-                            nearest(u, views_.shift_u(s), size[axis_u]) - around.begin[axis_u];
-                        const std::size_t from =
-                            ((row * n[axis_u] + column) * n[axis_t] + (t - box.begin[axis_t])) *
-                                n[axis_s] +
-                            (s - box.begin[axis_s]);
+                        const std::uint32_t column = nearest(u, views_.shift_u(s), size[axis_u]);
+                        const std::uint64_t from = around.index_of({column, row, s, t});
                         std::memcpy(to, texels.data() + from * bytes, bytes);
                         to += bytes;
                     }

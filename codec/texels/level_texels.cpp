@@ -101,33 +101,23 @@ LevelMeans::LevelMeans(const TextureDesc& desc, const LevelEntry& fine, const Le
 
 void LevelMeans::add(const Box4& fine_box, std::span<const std::byte> texels) {
     const Box4 part = intersect(fine_box, covered_by(box_, coarse_, fine_));
-    const Extent4 from = fine_box.extent(), to = box_.extent();
     const std::size_t texel_bytes = desc_.texel_bytes();
-    const auto add_row = desc_.type == SampleType::unorm8 ? tessera::add_row<SampleType::unorm8>
-                                                          : tessera::add_row<SampleType::half16>;
+    const auto add_row =
+        with_type(desc_.type, []<SampleType type>() { return &tessera::add_row<type>; });
     std::array<unsigned, 4> lod{};
     for (std::size_t axis = 0; axis < 4; ++axis)
         lod[axis] = difference(fine_, coarse_, axis);
     for (std::uint32_t v = part.begin[axis_v]; v < part.end[axis_v]; ++v)
         for (std::uint32_t u = part.begin[axis_u]; u < part.end[axis_u]; ++u)
             for (std::uint32_t t = part.begin[axis_t]; t < part.end[axis_t]; ++t) {
-                const std::size_t row = (((v - fine_box.begin[axis_v]) * std::size_t{from[axis_u]} +
-                                          u - fine_box.begin[axis_u]) *
-                                             from[axis_t] +
-                                         t - fine_box.begin[axis_t]) *
-                                        from[axis_s];
-                const std::size_t sum_row =
-                    ((((v >> lod[axis_v]) - box_.begin[axis_v]) * std::size_t{to[axis_u]} +
-                      (u >> lod[axis_u]) - box_.begin[axis_u]) *
-                         to[axis_t] +
-                     (t >> lod[axis_t]) - box_.begin[axis_t]) *
-                    to[axis_s];
                 const std::uint32_t first = part.begin[axis_s];
                 const std::uint32_t first_sum = first >> lod[axis_s];
-                add_row(texels.data() + (row + first - fine_box.begin[axis_s]) * texel_bytes,
-                        first - (first_sum << lod[axis_s]), part.end[axis_s] - first, lod[axis_s],
-                        desc_.channels,
-                        sums_.data() + (sum_row + first_sum - box_.begin[axis_s]) * desc_.channels);
+                const std::uint64_t from = fine_box.index_of({u, v, first, t});
+                const std::uint64_t to = box_.index_of(
+                    {u >> lod[axis_u], v >> lod[axis_v], first_sum, t >> lod[axis_t]});
+                add_row(texels.data() + from * texel_bytes, first - (first_sum << lod[axis_s]),
+                        part.end[axis_s] - first, lod[axis_s], desc_.channels,
+                        sums_.data() + to * desc_.channels);
             }
 }
 
@@ -192,9 +182,7 @@ void interpolate_level(std::span<const std::byte> texels, const Box4& support, c
         if (difference(fine, coarse, a) > 0)
             values = interpolate_axis(values, n, after, taps);
     }
-    const auto store = desc.type == SampleType::unorm8 ? store_rounded<SampleType::unorm8>
-                                                       : store_rounded<SampleType::half16>;
-    store(values, out.data());
+    with_type(desc.type, [&]<SampleType type>() { store_rounded<type>(values, out.data()); });
 }
 
 } // namespace tessera

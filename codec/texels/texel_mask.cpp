@@ -43,7 +43,7 @@ Status check_mask(const TexelSource* mask, const Extent4& texture_size) {
     if (mask == nullptr)
         return {};
     const TextureDesc& desc = mask->desc();
-    if (desc.channels != 1 || desc.type != SampleType::unorm8)
+    if (desc.channels != 1 || sample_bytes(desc.type) != 1)
         return bad("must have one channel of 8 bits");
     for (std::size_t axis = 0; axis < 4; ++axis)
         if (desc.size[axis] != texture_size[axis] && desc.size[axis] != 1)

@@ -55,7 +55,7 @@ void to_texels(const TilePlanes& planes, const TexelCodes& background,
 
 // Calls body<type, channels, ycocg>() for the samples of `colour`.
 template <class Body> void dispatch(const ColourCoding& colour, const Body& body) {
-    const auto of_type = [&]<SampleType type>() {
+    with_type(colour.desc.type, [&]<SampleType type>() {
         const bool ycocg = colour.transform == ColourTransform::ycocg_r;
         switch (colour.desc.channels) {
         case 1:
@@ -69,11 +69,7 @@ template <class Body> void dispatch(const ColourCoding& colour, const Body& body
             return ycocg ? body.template operator()<type, 4, true>()
                          : body.template operator()<type, 4, false>();
         }
-    };
-    if (colour.desc.type == SampleType::unorm8)
-        of_type.template operator()<SampleType::unorm8>();
-    else
-        of_type.template operator()<SampleType::half16>();
+    });
 }
 
 } // namespace
@@ -83,7 +79,7 @@ TexelCodes background_planes(const ColourCoding& colour) {
 }
 
 bool is_ycocg8(const ColourCoding& colour) {
-    return colour.desc.type == SampleType::unorm8 && colour.desc.channels == 3 &&
+    return sample_bytes(colour.desc.type) == 1 && colour.desc.channels == 3 &&
            colour.transform == ColourTransform::ycocg_r;
 }
 

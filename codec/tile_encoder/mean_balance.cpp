@@ -85,7 +85,7 @@ Means MeanMeter::error(const TileTexels& tile, const TilePlanes& decoded) {
     const std::size_t bytes = sample_bytes(type), channels = colour_->desc.channels;
     const std::size_t count = tile.texels.size() / (channels * bytes);
     ChannelSums sum{};
-    if (type == SampleType::unorm8 && tile.matters.empty())
+    if (bytes == 1 && tile.matters.empty())
         sum = differences_of_bytes(texels_, tile.texels, channels);
     else
         sum = differences_that_matter(texels_, tile, type, channels);

@@ -7,6 +7,7 @@
 #include "format/texture.h"
 #include "format/tile/base_picture.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -27,10 +28,9 @@ public:
 
 private:
     std::size_t index(const Place& place) const {
-        const auto at = [&](Axis axis) { return static_cast<std::size_t>(place[axis]); };
-        return ((at(axis_v) * extent_[axis_u] + at(axis_u)) * extent_[axis_t] + at(axis_t)) *
-                   extent_[axis_s] +
-               at(axis_s);
+        Extent4 at;
+        std::ranges::copy(place, at.begin());
+        return Box4::whole(extent_).index_of(at);
     }
 
     Extent4 extent_;

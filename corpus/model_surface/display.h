@@ -15,7 +15,7 @@ struct Display {
 
     glm::dvec3 value(const glm::dvec3& light) const {
         glm::dvec3 x = light * exposure;
-        if (type == SampleType::unorm8)
+        if (!traits_of(type).is_float)
             for (glm::length_t c = 0; c < 3; ++c) {
                 const double l = std::clamp(x[c], 0.0, 1.0);
                 x[c] = l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1.0 / 2.4) - 0.055;

@@ -51,7 +51,7 @@ Result<bool> occurs_behind(ByteSource& file, std::uint64_t begin, std::string_vi
 
 Status IntegerReader::read(SampleType type, std::uint32_t first, std::uint32_t last,
                            const PictureRow& row) {
-    const bool halves = type == SampleType::half16;
+    const bool halves = traits_of(type).is_float;
     std::vector<std::uint16_t> converted(halves ? std::size_t{shape_.width} * shape_.channels : 0);
     return decode(halves, last, [&](std::uint32_t y, std::span<const std::byte> samples) {
         if (y < first)

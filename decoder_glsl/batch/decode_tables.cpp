@@ -127,7 +127,7 @@ void put_filter(const CodingParameters& coding, SampleType type, Words& words) {
 
 void put_header(const FileHeader& header, const CodingParameters& coding, Words& words) {
     const auto& desc = header.desc;
-    words[tsr_t_sample_type] = desc.type == SampleType::half16;
+    words[tsr_t_sample_type] = static_cast<std::uint32_t>(desc.type);
     words[tsr_t_planes] = desc.channels;
     words[tsr_t_colour] = header.colour == ColourTransform::ycocg_r;
     words[tsr_t_dependent] = coding.dependent;
@@ -256,7 +256,7 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     tables.predicts_ = coding.prediction;
     tables.base_ = coding.base;
     tables.filters_ = coding.filter.is_on();
-    tables.half_ = header.desc.type == SampleType::half16;
+    tables.half_ = traits_of(header.desc.type).is_float;
     tables.add_shapes(reader.grid());
     if (tables.ids_.size() > tsr_max_shapes)
         return Status{ErrorCode::unsupported, reader.name() + ": the tiles split into blocks of " +

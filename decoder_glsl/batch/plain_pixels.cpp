@@ -34,9 +34,8 @@ Box4 box_of_layer(const TexelPlan& plan, const Extent4& size, std::uint32_t laye
 void put_pixels(const TextureDesc& desc, const Box4& box, std::span<const std::byte> texels,
                 std::uint32_t width, std::span<std::byte> pixels) {
     const std::size_t bytes = sample_bytes(desc.type);
-    const std::array<std::byte, 2> one = desc.type == SampleType::unorm8
-                                             ? std::array{std::byte{255}, std::byte{0}}
-                                             : std::array{std::byte{0x00}, std::byte{0x3C}};
+    std::array<std::byte, 2> one{};
+    store_sample(one.data(), traits_of(desc.type).one, desc.type);
     const std::array<std::size_t, 4> from = channels_of(desc.channels);
     const Extent4 n = box.extent();
     const std::byte* texel = texels.data();

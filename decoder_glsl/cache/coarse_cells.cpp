@@ -38,7 +38,8 @@ class CellMaker {
 public:
     CellMaker(const TileGrid& grid, const LevelEntry& level, TexelSource& source,
               const PutCoarse& put)
-        : grid_(grid), level_(level), source_(source), put_(put), desc_(source.desc()) {}
+        : grid_(grid), level_(level), source_(source), put_(put), desc_(source.desc()),
+          traits_(traits_of(desc_.type)) {}
 
     // Computes the coarse texels of a box of tiles, given by their coordinates in the grid.
     Status make(const Box4& tiles) {
@@ -141,10 +142,8 @@ private:
     }
 
     float value_at(std::size_t sample) const {
-        const std::uint16_t value =
-            load_sample(bytes_.data() + sample * sample_bytes(desc_.type), desc_.type);
-        return desc_.type == SampleType::unorm8 ? static_cast<float>(value) / 255
-                                                : half_to_float(value);
+        const std::uint16_t value = load_sample(bytes_.data() + sample * traits_.bytes, desc_.type);
+        return traits_.is_float ? half_to_float(value) : static_cast<float>(value) / traits_.one;
     }
 
     std::array<float, 4> mean_of(const std::array<const Span*, 4>& spans) const {
@@ -190,11 +189,11 @@ private:
     void pack(const std::array<float, 4>& value, std::vector<std::uint32_t>& words) const {
         std::uint32_t word[2] = {0, 0};
         for (std::size_t c = 0; c < 4; ++c)
-            if (desc_.type == SampleType::unorm8)
+            if (traits_.is_float)
+                word[c / 2] |= std::uint32_t{float_to_half(value[c])} << (16 * (c % 2));
+            else
                 word[0] |= static_cast<std::uint32_t>(std::clamp(value[c], 0.0f, 1.0f) * 255 + 0.5f)
                            << (8 * c);
-            else
-                word[c / 2] |= std::uint32_t{float_to_half(value[c])} << (16 * (c % 2));
         words.insert(words.end(), {word[0], word[1]});
     }
 
@@ -203,6 +202,7 @@ private:
     TexelSource& source_;
     const PutCoarse& put_;
     const TextureDesc desc_;
+    const SampleTraits& traits_;
     std::vector<std::byte> bytes_; // texels of the box that was read
     Extent4 extent_{};             // of that box
     std::array<std::vector<Span>, 4> spans_;

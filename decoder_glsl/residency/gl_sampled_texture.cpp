@@ -100,7 +100,7 @@ void add_mip_table(const AtlasMips& mips, std::vector<std::uint32_t>& words) {
 std::uint64_t decoded_bytes(const ContainerReader& reader) {
     const TextureShape shape = decoded_shape(reader);
     return std::uint64_t{shape.width} * shape.height * shape.layers *
-           (reader.desc().type == SampleType::half16 ? 8 : 4);
+           (4 * sample_bytes(reader.desc().type));
 }
 
 Residency choose_residency(const ContainerReader& reader, std::uint64_t budget) {
@@ -234,7 +234,7 @@ SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptio
                 ": larger than 65,536 along an axis, more than 16 million tiles, or more than "
                 "1,200 tiles of one direction along s or t"};
     TESSERA_TRY_ASSIGN(auto tables, DecodeTables::make(reader));
-    const bool half = reader.desc().type == SampleType::half16;
+    const bool half = traits_of(reader.desc().type).is_float;
     TESSERA_TRY_ASSIGN(auto decoder, GlTileDecoder::create(tables, half));
     AtlasMips mips = mips_of(reader);
     if (options.residency == Residency::on_feedback && !cache_slot(grid, mips.count() > 0).fits())

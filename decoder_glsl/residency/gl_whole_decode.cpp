@@ -73,7 +73,7 @@ WholeFileDecoder& WholeFileDecoder::operator=(WholeFileDecoder&&) noexcept = def
 WholeFileDecoder::~WholeFileDecoder() = default;
 
 Result<WholeFileDecoder> WholeFileDecoder::create(const ContainerReader& reader) {
-    const bool half = reader.desc().type == SampleType::half16;
+    const bool half = traits_of(reader.desc().type).is_float;
     TESSERA_TRY_ASSIGN(auto tables, DecodeTables::make(reader));
     TESSERA_TRY_ASSIGN(auto decoder, GlTileDecoder::create(tables, half));
     TESSERA_TRY_ASSIGN(auto target, make_target(reader, half));

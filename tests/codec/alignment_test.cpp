@@ -120,7 +120,7 @@ TEST(Alignment, DecodesToTheTexture) {
         EXPECT_EQ(open.decoder.desc(), views_colour);
         EXPECT_EQ(open.decoder.container().grid().size(), (Extent4{54, 44, 4, 3}));
         Bytes texels(texture.texels.size());
-        ASSERT_TRUE(open.decoder.decode_box(whole, texels, 2));
+        ASSERT_TRUE(open.decoder.decode_box(whole, texels, {.threads = 2}));
         double squares = 0;
         for (std::size_t i = 0; i < texels.size(); ++i) {
             const int d = std::to_integer<int>(texels[i]) - std::to_integer<int>(texture.texels[i]);
@@ -144,7 +144,7 @@ TEST(Alignment, DecodesToTheTexture) {
         for (int i = 0; i < 20; ++i) {
             const Box4 box = random_box(random, views_size);
             Bytes part(views_colour.box_bytes(box)), expected(part.size());
-            ASSERT_TRUE(open.decoder.decode_box(box, part, 1));
+            ASSERT_TRUE(open.decoder.decode_box(box, part, {.threads = 1}));
             copy_box(box, whole, texels, box, expected, 3);
             EXPECT_EQ(part, expected) << to_string(box);
         }
@@ -399,7 +399,7 @@ TEST(Alignment, FilledTexelsAreCountedInTheTexture) {
     const Result<Decoder> decoder = Decoder::open(*cut, DecodeOptions{.allow_partial = true});
     ASSERT_TRUE(decoder) << decoder.status().message();
     Bytes texels(decoder->desc().box_bytes(Box4::whole(size)));
-    ASSERT_TRUE(decoder->decode_box(Box4::whole(size), texels, 1));
+    ASSERT_TRUE(decoder->decode_box(Box4::whole(size), texels, {.threads = 1}));
     EXPECT_EQ(decoder->fill_report().texels, texel_count(size));
 }
 

@@ -38,7 +38,7 @@ TEST(Access, OneTexelCostsThreeReadsAndItsTilesBytes) {
             box.end[axis] = box.begin[axis] + 1;
         }
         Bytes texel(desc.texel_bytes());
-        ASSERT_TRUE(decoder->decode_box(box, texel, 1, Integrity::tile));
+        ASSERT_TRUE(decoder->decode_box(box, texel, {.threads = 1, .integrity = Integrity::tile}));
         EXPECT_EQ(texel, crop(texture, all, box));
         const auto reads = source.reads();
         ASSERT_LE(reads.size(), 3u);
@@ -72,7 +72,9 @@ TEST(Access, ThreadsShareADecoder) {
                     const Box4 box = random_box(random, desc.size);
                     Bytes out(desc.box_bytes(box));
                     const Status status = decoder->decode_box(
-                        box, out, 1 + id % 2, id % 3 == 0 ? Integrity::tile : Integrity::page);
+                        box, out,
+                        {.threads = 1 + id % 2,
+                         .integrity = id % 3 == 0 ? Integrity::tile : Integrity::page});
                     wrong += !status.ok() || out != crop(texture, all, box);
                 }
             });
@@ -170,7 +172,8 @@ bool reads(const Bytes& file, Integrity integrity) {
         return false;
     }
     Bytes texels(decoder->desc().box_bytes(whole));
-    const Status status = decoder->decode_box(whole, texels, 1, integrity);
+    const Status status =
+        decoder->decode_box(whole, texels, {.threads = 1, .integrity = integrity});
     return status.ok() || fair(status);
 }
 

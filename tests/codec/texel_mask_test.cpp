@@ -58,7 +58,7 @@ Bytes decode_whole(const Bytes& file) {
         return {};
     const Box4 whole = Box4::whole(decoder->desc().size);
     Bytes texels(decoder->desc().box_bytes(whole));
-    EXPECT_TRUE(decoder->decode_box(whole, texels, 2));
+    EXPECT_TRUE(decoder->decode_box(whole, texels, {.threads = 2}));
     return texels;
 }
 

@@ -197,7 +197,8 @@ TEST(TileReuse, WorksWithAJournalAndOverTheReusedFile) {
     ASSERT_TRUE(opened);
     old.texels.texels.clear();
     old.texels.texels.resize(old.texels.desc().box_bytes(Box4::whole(reuse_size)));
-    ASSERT_TRUE(opened->decode_box(Box4::whole(reuse_size), old.texels.texels, 1).ok());
+    ASSERT_TRUE(
+        opened->decode_box(Box4::whole(reuse_size), old.texels.texels, {.threads = 1}).ok());
     change(old.texels, 0, 15); // in tile 3
     EncodeOptions options = reusing(old, quick_effort);
     options.reuse = &*opened;

@@ -25,8 +25,8 @@ void check_places(const Decoder& decoder, const Box4& box, const Bytes& texels) 
 
 void read_box(const Decoder& decoder, const Box4& box) {
     Bytes texels(decoder.desc().box_bytes(box));
-    (void)decoder.decode_box(box, texels, 1, Integrity::tile);
-    if (decoder.decode_box(box, texels, 1, Integrity::page))
+    (void)decoder.decode_box(box, texels, {.threads = 1, .integrity = Integrity::tile});
+    if (decoder.decode_box(box, texels, {.threads = 1, .integrity = Integrity::page}))
         check_places(decoder, box, texels);
 }
 

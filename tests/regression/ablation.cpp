@@ -78,7 +78,8 @@ Result<Curve> measure(const Task& task, const Experiment& experiment) {
         double best = 1e9;
         for (int i = 0; i < 5; ++i) {
             const double start = seconds();
-            TESSERA_TRY(decoder->decode_box(Box4::whole(decoder->desc().size), texels, threads));
+            TESSERA_TRY(decoder->decode_box(Box4::whole(decoder->desc().size), texels,
+                                            {.threads = threads}));
             best = std::min(best, seconds() - start);
         }
         curve.decode_seconds += best;

@@ -66,7 +66,7 @@ inline const Layered& shared_file() {
 
 inline Bytes texels_of(const Decoder& decoder, const Box4& box, unsigned threads = 1) {
     Bytes texels(decoder.desc().box_bytes(box));
-    const Status status = decoder.decode_box(box, texels, threads);
+    const Status status = decoder.decode_box(box, texels, {.threads = threads});
     EXPECT_TRUE(status.ok()) << status.message();
     return texels;
 }

@@ -44,7 +44,7 @@ inline Bytes decode(const Bytes& file, const Box4& box, Integrity integrity = In
     if (!decoder)
         return {};
     Bytes texels(decoder->desc().box_bytes(box));
-    const Status status = decoder->decode_box(box, texels, 2, integrity);
+    const Status status = decoder->decode_box(box, texels, {.threads = 2, .integrity = integrity});
     EXPECT_TRUE(status) << status.message();
     return texels;
 }

@@ -15,7 +15,7 @@ constexpr std::uint32_t max_side = 8192;
 std::byte channel_value(const TextureDesc& desc, const std::byte* texel, unsigned c) {
     if (desc.channels < 3)
         c = 0;
-    if (desc.type == SampleType::unorm8)
+    if (!traits_of(desc.type).is_float)
         return texel[c];
     std::uint16_t half;
     std::memcpy(&half, texel + 2 * c, 2);

@@ -4,7 +4,6 @@
 #include "corpus/surface/angular_choice.h"
 #include "corpus/surface/scene_surface.h"
 #include "corpus/surface/surface_source.h"
-#include "tools/support/description_text.h"
 #include "tools/support/parse.h"
 
 namespace tessera {
@@ -45,11 +44,9 @@ Result<BakedSurface> bake_surface(const SurfaceBake& bake) {
 Result<std::optional<AngularMap>> parse_octahedral_map(const std::string& text) {
     if (text == "auto")
         return std::optional<AngularMap>();
-    Description d;
-    if (set_description_field(d, "angular-map", text).ok() &&
-        (d.angular_map == AngularMap::octahedral_hemisphere ||
-         d.angular_map == AngularMap::octahedral_mirrored))
-        return std::optional(d.angular_map);
+    const std::optional<AngularMap> map = parse_value<AngularMap>(text);
+    if (map == AngularMap::octahedral_hemisphere || map == AngularMap::octahedral_mirrored)
+        return map;
     return Status(ErrorCode::bad_argument,
                   "'" + text +
                       "' is no map of a mesh; it must be auto, octahedral-hemisphere or "

@@ -107,12 +107,18 @@ Result<Box4> parse_box(std::string_view text, const Extent4& whole) {
 }
 
 Result<SampleType> parse_sample_type(std::string_view text) {
-    if (text == "8" || text == "unorm8")
+    if (text == "8")
         return SampleType::unorm8;
-    if (text == "16f" || text == "half" || text == "half16")
+    if (text == "16f" || text == "half")
         return SampleType::half16;
+    std::string names;
+    for (std::size_t i = 0; i < sample_types.size(); ++i) {
+        if (text == sample_types[i].name)
+            return static_cast<SampleType>(i);
+        names += (i == 0 ? "" : ", ") + std::string(sample_types[i].name);
+    }
     return Status(ErrorCode::bad_argument, "'" + std::string(text.substr(0, 100)) +
-                                               "' is not a sample type (unorm8, half16)");
+                                               "' is not a sample type (" + names + ")");
 }
 
 const char* name_of(SampleType type) {

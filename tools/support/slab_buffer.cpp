@@ -7,14 +7,6 @@
 namespace tessera {
 namespace {
 
-std::uint64_t texel_index(const Box4& box, std::uint32_t u, std::uint32_t v, std::uint32_t s,
-                          std::uint32_t t) {
-    const Extent4 e = box.extent();
-    const std::uint64_t place =
-        std::uint64_t{v - box.begin[axis_v]} * e[axis_u] + (u - box.begin[axis_u]);
-    return (place * e[axis_t] + (t - box.begin[axis_t])) * e[axis_s] + (s - box.begin[axis_s]);
-}
-
 constexpr std::size_t large_page = std::size_t{2} << 20;
 
 // Uninitialised memory, null if memory is short. Large slabs use large pages if the system has
@@ -77,7 +69,7 @@ Status SlabBuffer::copy_out(const Box4& box, std::span<std::byte> out) const {
 }
 
 std::byte* SlabBuffer::texel(std::uint32_t u, std::uint32_t v, std::uint32_t s, std::uint32_t t) {
-    return memory_.get() + texel_index(box_, u, v, s, t) * desc_.texel_bytes();
+    return memory_.get() + box_.index_of({u, v, s, t}) * desc_.texel_bytes();
 }
 
 } // namespace tessera

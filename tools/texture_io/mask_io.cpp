@@ -107,7 +107,7 @@ Result<std::unique_ptr<TexelSource>> open_mask(const MaskArguments& arguments,
     std::unique_ptr<TexelSource> mask = interruptible(std::move(opened.source));
     const TextureDesc& desc = mask->desc();
     const bool in_place =
-        opened.kind == TextureKind::raw && desc.channels == 1 && desc.type == SampleType::unorm8;
+        opened.kind == TextureKind::raw && desc.channels == 1 && sample_bytes(desc.type) == 1;
     if (!in_place) {
         TESSERA_TRY_ASSIGN(
             mask, load(*mask, threads, slab_bytes).with_context("--mask " + arguments.path));

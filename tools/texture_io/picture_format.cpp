@@ -26,7 +26,7 @@ PictureKind picture_kind_of_name(std::string_view name) {
 Status check_picture_kind(PictureKind kind, SampleType type, std::uint8_t channels) {
     if (kind == PictureKind::exr)
         return {};
-    if (type != SampleType::unorm8)
+    if (sample_bytes(type) != 1)
         return {ErrorCode::unsupported,
                 "PNG and JPEG views hold 8 bits, this texture is half float; write EXR "
                 "instead: x.exr, or --views-pattern 'view_t{t:3}_s{s:3}.exr'"};

@@ -20,9 +20,7 @@ constexpr std::uint32_t max_read_excess = 32;
 // Texels are stored place by place; a place is the angular image of one (u, v).
 std::uint64_t file_offset(const TextureDesc& desc, std::uint32_t u, std::uint32_t v,
                           std::uint32_t s, std::uint32_t t) {
-    const Extent4& n = desc.size;
-    const std::uint64_t place = std::uint64_t{v} * n[axis_u] + u;
-    return ((place * n[axis_t] + t) * n[axis_s] + s) * desc.texel_bytes();
+    return Box4::whole(desc.size).index_of({u, v, s, t}) * desc.texel_bytes();
 }
 
 // Keeps the places that were read last, as the encoder reads all tiles at the same places one after

@@ -139,7 +139,7 @@ private:
     std::string summary(std::size_t pictures) const {
         const std::string order = to_string(views_.order);
         const std::size_t others = pictures - views_.names.size();
-        const bool rounded = desc_.type == SampleType::unorm8 &&
+        const bool rounded = sample_bytes(desc_.type) == 1 &&
                              std::ranges::any_of(shapes_, [](auto& s) { return s.bits == 16; });
         return std::to_string(views_.names.size()) + " views named " + views_.pattern.text() +
                (others > 0 ? " (other pictures left out: " + std::to_string(others) + ")" : "") +

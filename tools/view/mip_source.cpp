@@ -14,12 +14,12 @@ using Sums = std::vector<double>;
 
 double sample_value(const std::byte* at, SampleType type) {
     const std::uint16_t sample = load_sample(at, type);
-    return type == SampleType::unorm8 ? sample : static_cast<double>(half_to_float(sample));
+    return traits_of(type).is_float ? static_cast<double>(half_to_float(sample)) : sample;
 }
 
 std::uint16_t rounded_sample(double value, SampleType type) {
-    return type == SampleType::unorm8 ? static_cast<std::uint16_t>(std::floor(value + 0.5))
-                                      : float_to_half(static_cast<float>(value));
+    return traits_of(type).is_float ? float_to_half(static_cast<float>(value))
+                                    : static_cast<std::uint16_t>(std::floor(value + 0.5));
 }
 
 class MipSource final : public TexelSource {

@@ -42,12 +42,7 @@ Result<glm::dvec4> CachedTexels::texel(std::uint32_t u, std::uint32_t v, std::ui
         TESSERA_TRY_ASSIGN(TexelCache::Block block, cache_->load(number));
         slot = {number, grid.box(number), std::move(block)};
     }
-    const Extent4 e = slot.box.extent();
-    Extent4 offset;
-    for (std::size_t axis = 0; axis < 4; ++axis)
-        offset[axis] = at[axis] - slot.box.begin[axis];
-    const std::size_t place = std::size_t{offset[axis_v]} * e[axis_u] + offset[axis_u];
-    const std::size_t index = (place * e[axis_t] + offset[axis_t]) * e[axis_s] + offset[axis_s];
+    const std::size_t index = slot.box.index_of(at);
     return texel_value(desc(), slot.texels->data() + index * desc().texel_bytes());
 }
 

@@ -48,9 +48,10 @@ Status write_exr(const std::string& path, const View& view) {
 
 Picture to_picture(const View& view, SampleType type) {
     Picture out = blank_picture(view.width, view.height, 0);
+    const bool is_float = traits_of(type).is_float;
     for (std::size_t i = 0; i < view.rgb.size(); ++i) {
         const double x = view.rgb[i];
-        if (type == SampleType::half16)
+        if (is_float)
             out.rgb[i] = tone_mapped(x);
         else // NaN becomes black
             out.rgb[i] = std::byte(x > 0 ? static_cast<int>(255 * std::min(x, 1.0) + 0.5) : 0);

@@ -23,7 +23,7 @@ inline Result<AccessCost> access_cost(std::span<const std::byte> file, const Box
     CountingByteSource counting(*source);
     TESSERA_TRY_ASSIGN(const auto decoder, Decoder::open(counting));
     std::vector<std::byte> texels(decoder.desc().box_bytes(box));
-    TESSERA_TRY(decoder.decode_box(box, texels, 1, Integrity::tile));
+    TESSERA_TRY(decoder.decode_box(box, texels, {.threads = 1, .integrity = Integrity::tile}));
     AccessCost cost;
     cost.first_reads = counting.reads().size();
     // Computed from the index: a second read would count nothing for small files, because their

@@ -16,7 +16,7 @@ namespace {
 // --- zfp: planes of floats, each a 4D array with s fastest ---------------------------------------
 
 bool has_yuv(const TextureDesc& desc) {
-    return desc.type == SampleType::unorm8 && desc.channels == 3;
+    return sample_bytes(desc.type) == 1 && desc.channels == 3;
 }
 
 // Converts 8-bit RGB to Y Cb Cr of BT.709. Half floats become the 16-bit codes by which errors are
@@ -63,8 +63,8 @@ std::vector<std::string> zfp_mode(const std::string& setting, const TextureDesc&
     double value = std::stod(value_of(setting));
     if (setting.rfind("rate", 0) == 0)
         return {"-r", std::to_string(colour ? value / 2 : value)};
-    if (desc.type == SampleType::half16)
-        value *= 128; // half_peak is about 128 times 255
+    if (traits_of(desc.type).is_float)
+        value *= 128; // the largest code of halves is about 128 times 255
     return {"-a", std::to_string(colour ? value * 2 : value)};
 }
 

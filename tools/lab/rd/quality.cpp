@@ -45,8 +45,8 @@ unsigned colours(const TextureDesc& desc) {
 }
 
 // The integer by which samples are compared; see metrics.h.
-std::int64_t code_of(const std::byte* sample, SampleType type) {
-    if (type == SampleType::unorm8)
+std::int64_t code_of(const std::byte* sample, bool is_float) {
+    if (!is_float)
         return std::to_integer<std::int64_t>(*sample);
     std::uint16_t half;
     std::memcpy(&half, sample, 2);
@@ -59,7 +59,7 @@ void add_angular_image(const RdTexture& original, const std::byte* a, const std:
                        QualitySums& sums) {
     const TextureDesc& desc = original.desc;
     const std::size_t step = sample_bytes(desc.type), texel = desc.texel_bytes();
-    const bool coloured = colours(desc) == 3 && desc.type == SampleType::unorm8;
+    const bool is_float = traits_of(desc.type).is_float, coloured = colours(desc) == 3 && !is_float;
     for (double& view : sums.views) {
         const bool foreground = std::memcmp(a, original.background.data(), texel) != 0;
         sums.foreground_texels += foreground;
@@ -67,7 +67,7 @@ void add_angular_image(const RdTexture& original, const std::byte* a, const std:
             std::int64_t d[3] = {};
             double squared = 0;
             for (unsigned c = 0; c < colours(desc); ++c) {
-                d[c] = code_of(a + c * step, desc.type) - code_of(b + c * step, desc.type);
+                d[c] = code_of(a + c * step, is_float) - code_of(b + c * step, is_float);
                 squared += static_cast<double>(d[c] * d[c]);
             }
             view += squared;
@@ -137,8 +137,8 @@ double psnr_over(double squared, double samples, double peak) {
 
 Quality quality_of(const RdTexture& original, const QualitySums& sums) {
     const TextureDesc& desc = original.desc;
-    const bool hdr = desc.type == SampleType::half16;
-    const double peak = hdr ? half_peak : 255, channels = colours(desc);
+    const bool hdr = traits_of(desc.type).is_float;
+    const double peak = traits_of(desc.type).largest_code, channels = colours(desc);
     const auto texels = static_cast<double>(original.texel_count());
     const double per_view = texels / static_cast<double>(sums.views.size());
     Quality q;

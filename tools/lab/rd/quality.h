@@ -2,8 +2,8 @@
 // are measured by the same code, between two buffers.
 //
 // Each PSNR comes from one mean squared error over all its samples. The peak is 255 for 8-bit
-// samples. Half floats are compared as half_ordinal(), with the peak half_peak (codec/metrics.h).
-// PSNR is infinite if there is no error.
+// samples. Half floats are compared as half_ordinal() (codec/metrics.h), with the largest code as the
+// peak. PSNR is infinite if there is no error.
 #pragma once
 
 #include "codec/metrics.h"

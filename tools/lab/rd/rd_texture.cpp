@@ -128,9 +128,7 @@ Status check_rd_name(const std::string& name) {
 
 const std::byte* RdTexture::texel(std::uint32_t u, std::uint32_t v, std::uint32_t s,
                                   std::uint32_t t) const {
-    const Extent4& n = desc.size;
-    const std::uint64_t place = std::uint64_t{v} * n[axis_u] + u;
-    return texels.data() + ((place * n[axis_t] + t) * n[axis_s] + s) * desc.texel_bytes();
+    return texels.data() + Box4::whole(desc.size).index_of({u, v, s, t}) * desc.texel_bytes();
 }
 
 void describe_texels(RdTexture& texture) {

@@ -134,7 +134,7 @@ Result<double> seconds_of_tool(const std::vector<std::string>& argv, double time
 }
 
 std::string needs_rgb8(const TextureDesc& desc) {
-    if (desc.type != SampleType::unorm8)
+    if (sample_bytes(desc.type) != 1)
         return "it takes 8-bit samples, but the texture has 16-bit floats";
     return desc.channels == 3
                ? ""

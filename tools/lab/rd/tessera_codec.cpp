@@ -76,7 +76,7 @@ Result<double> decode(std::span<const std::byte> file, unsigned threads,
     const auto begun = std::chrono::steady_clock::now();
     const auto bytes = wrap_memory(file);
     TESSERA_TRY_ASSIGN(const auto decoder, Decoder::open(*bytes));
-    TESSERA_TRY(decoder.decode_box(Box4::whole(decoder.desc().size), texels, threads));
+    TESSERA_TRY(decoder.decode_box(Box4::whole(decoder.desc().size), texels, {.threads = threads}));
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 

@@ -50,8 +50,7 @@ void store_view(const Picture& picture, std::uint32_t x, std::uint32_t y, const 
                 ViewIndex view, std::vector<std::byte>& texels) {
     for (std::uint32_t v = 0; v < n[axis_v]; ++v)
         for (std::uint32_t u = 0; u < n[axis_u]; ++u) {
-            const std::uint64_t place = std::uint64_t{v} * n[axis_u] + u;
-            const std::uint64_t index = (place * n[axis_t] + view.t) * n[axis_s] + view.s;
+            const std::uint64_t index = Box4::whole(n).index_of({u, v, view.s, view.t});
             std::memcpy(texels.data() + index * 3, picture.pixel(x + u, y + v), 3);
         }
 }

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Compares the speed of two builds, which run alternately on one thread. Prints a table of user seconds
 # (the best of RUNS runs), bytes and MB/s.
-#   tools/lab/scripts/speed.sh OLD NEW [EFFORT_OF_OLD:EFFORT_OF_NEW]...     OLD and NEW are build folders; default 5:3
+#   tools/lab/scripts/speed.sh OLD NEW [EFFORT_OF_OLD:EFFORT_OF_NEW]...     OLD and NEW are build folders; default 3:3
 # Environment variables and their defaults: QUALITY=50 SIZE=64x32x16x16 SCENES="composed gallery
 # mirror" RUNS=3
 set -euo pipefail
 old=$1/bin/tessera new=$2/bin/tessera
 shift 2
-[ $# -gt 0 ] || set -- 5:3
+[ $# -gt 0 ] || set -- 3:3
 size=${SIZE:-64x32x16x16} work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 TIMEFORMAT=%U

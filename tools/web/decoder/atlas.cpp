@@ -88,7 +88,7 @@ AtlasSink::PlaceWriter AtlasSink::place_writer(const TextureDesc& desc) {
          write_place<rgb_to_rgba, 3>, write_place<bytes_to_rgba<4>, 4>},
         {write_place<halves_to_rgba<1>, 2>, write_place<halves_to_rgba<2>, 4>,
          write_place<halves_to_rgba<3>, 6>, write_place<halves_to_rgba<4>, 8>}};
-    return writers[desc.type == SampleType::half16 ? 1 : 0][desc.channels - 1];
+    return writers[traits_of(desc.type).is_float ? 1 : 0][desc.channels - 1];
 }
 
 AtlasSink::AtlasSink(const TextureDesc& desc, const Box4& box, std::span<std::byte> rgba)

@@ -109,7 +109,7 @@ Status fetch(std::uint32_t level, const std::uint32_t* corners) {
 Status read_box(std::uint32_t level, const Box4& box, std::span<std::byte> out) {
     if (level == of_grid)
         return file.decoder->decode_grid_box(box, out, {1, Integrity::page, {}, {}});
-    return level == 0 ? file.decoder->decode_box(box, out, 1)
+    return level == 0 ? file.decoder->decode_box(box, out, {.threads = 1})
                       : file.decoder->decode_coarse_box(level, box, out);
 }
 

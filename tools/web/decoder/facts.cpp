@@ -12,10 +12,6 @@ template <class Values> void append(std::vector<double>& out, const Values& valu
         out.push_back(static_cast<double>(value));
 }
 
-double shown_sample(std::uint16_t sample, SampleType type) {
-    return type == SampleType::unorm8 ? sample / 255.0 : static_cast<double>(half_to_float(sample));
-}
-
 // This build cannot unpack Zstandard (FORMAT.md 1.3, packing 1).
 bool has_packed_metadata(const ContainerReader& container) {
     const std::span<const std::byte> section = container.section_bytes("meta");
@@ -41,7 +37,7 @@ std::vector<double> number_facts(const ContainerReader& container) {
     out.push_back(about.sphere_radius);
     append(out, about.viewing_radius);
     for (const std::uint16_t sample : container.facts().background)
-        out.push_back(shown_sample(sample, desc.type));
+        out.push_back(sample_value(sample, desc.type));
     out.push_back(static_cast<double>(container.file_bytes()));
     out.push_back(has_packed_metadata(container) ? 1 : 0);
     append(out, std::array{container.alignment().u, container.alignment().v});
