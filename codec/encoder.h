@@ -113,7 +113,8 @@ struct EncodeOptions {
     // Proxy::mesh, forbidden otherwise.
     std::vector<std::byte> mesh;
     // Key/values. The encoder adds "Software" if it is absent and writes the keys that begin with
-    // "tessera:" itself: they record how it encoded.
+    // "tessera:" itself: they record how it encoded. It adds none of them if that would take more
+    // than 1 % of the file.
     Metadata metadata;
 
     // Resources. They do not affect the bytes, with one exception at slab_bytes.

@@ -228,7 +228,8 @@ typedef struct {
      * that of the texture, or 1 to repeat the mask along it. Null: all texels matter. */
     const tessera_texel_source* mask;
     const tessera_description* description; /* null: nothing is known */
-    const tessera_key_value* metadata;      /* entries to store; "Software" is added if absent */
+    const tessera_key_value* metadata; /* entries to store; if "Software" is absent, it is added
+                                             * unless the file is small */
     size_t metadata_count;
     tessera_progress_function progress;   /* may be null */
     tessera_cancelled_function cancelled; /* may be null */

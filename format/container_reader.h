@@ -40,12 +40,13 @@ enum class ContainerRule : int {
     features = 6,       // no required feature is unknown
     header_field = 7,   // every field is within its range
     file_size = 8,      // the header has the file's true length
-    section_table = 10, // types, order and offsets; each needed section once
+    section_table = 10, // types and lengths; each needed section once
     section_known = 11, // no required section is unknown
     section_crc = 12,
     metadata = 13,
     levels = 14,
     root = 15,
+    geometry = 16, // section geom
     index_crc = 20,
     index_record = 21, // lengths, pages and size of the record agree with section ROOT
     proxy_mesh = 22,   // section prxy holds a mesh
@@ -153,7 +154,7 @@ public:
     const FileHeader& header() const;
     AlignedViews aligned_views() const;
     const LevelTable& level_table() const;
-    // The index record of a group of up to 256 consecutive tiles (FORMAT.md 1.4); one read unless
+    // The index record of a group of up to 256 consecutive tiles (FORMAT.md 1.5); one read unless
     // it is cached. Errors: bad_argument (no such group), io, invalid_file.
     Result<std::shared_ptr<const GroupIndex>> group(std::uint32_t group) const;
 

@@ -1,5 +1,5 @@
 // The levels of a file, which are the texture itself and coarser copies of it, and how a level is
-// cut into tiles (FORMAT.md 1.4 and part 2).
+// cut into tiles (FORMAT.md 1.5 and part 2).
 //
 // Along an axis of D texels with largest tile extent T there are n = ceil(D / T) tiles, and tile i
 // covers [floor(i D / n), floor((i + 1) D / n)). The extents of tiles along an axis differ by at
@@ -145,7 +145,7 @@ struct LevelEntry {
 LevelEntry coarse_level(const Extent4& full, unsigned spatial_lod, unsigned angular_lod,
                         unsigned step_shift);
 
-// A level and its share of the file's tiles and groups (FORMAT.md 1.4).
+// A level and its share of the file's tiles and groups (FORMAT.md 1.5).
 struct Level : LevelEntry {
     std::uint64_t first_tile = 0; // tiles are numbered over all levels
     std::uint32_t first_group = 0, group_count = 0;

@@ -2,9 +2,9 @@
 
 #include "codec/reconstruct/tile_decoder.h"
 #include "codec/texels/level_texels.h"
+#include "format/container/file_coding.h"
 #include "format/container/tiles_ahead.h"
 #include "format/texture.h"
-#include "format/tile/coding_parameters.h"
 
 #include <algorithm>
 
@@ -16,10 +16,8 @@ constexpr std::uint64_t most_bytes = 32u << 20; // of decoded tiles that are kep
 } // namespace
 
 Result<std::vector<std::unique_ptr<TileCoding>>> level_codings(const ContainerReader& container) {
-    TESSERA_TRY_ASSIGN(const CodingParameters parameters,
-                       read_coding_parameters(container.codec_parameters()));
     const FileHeader& header = container.header();
-    TESSERA_TRY(check_features(parameters, header.required_features));
+    TESSERA_TRY_ASSIGN(const CodingParameters parameters, coding_of(container));
     std::vector<std::unique_ptr<TileCoding>> codings;
     for (const Level& level : container.levels()) {
         TESSERA_TRY_ASSIGN(const CodingParameters coarser,

@@ -102,7 +102,9 @@ Status check_description(const TextureDesc& desc, const Description& d) {
     header.desc = desc;
     header.section_count = min_sections;
     header.description = d;
-    const Status status = check_fields(header);
+    Status status = check_fields(header);
+    if (status)
+        status = check_geometry(d);
     std::string_view message = status.message();
     constexpr std::string_view prefix = "header field ";
     if (message.starts_with(prefix))
@@ -125,7 +127,7 @@ Status check_surface(const EncodeOptions& options) {
 // The size of a file with background tiles only and with built-in tables: no file of this texture is
 // smaller.
 Result<std::uint64_t> least_file_bytes(const TextureDesc& desc, const EncodeOptions& options) {
-    const std::vector<std::byte> coding = write_coding_parameters({});
+    const std::vector<std::byte> coding = write_coding_parameters({}, desc.channels, false);
     ContainerContents contents;
     contents.desc = desc;
     contents.description = options.description;

@@ -113,11 +113,16 @@ JournalFacts facts_of(const EncodePlan& plan, const Sample& sample) {
     return facts;
 }
 
+Metadata given_metadata(const EncodePlan& plan) {
+    Metadata metadata = plan.options.metadata;
+    std::erase_if(metadata, [](const auto& entry) { return entry.first.starts_with(made_prefix); });
+    return metadata;
+}
+
 Metadata recorded_metadata(const EncodePlan& plan) {
     const EncodeOptions& options = plan.options;
-    Metadata metadata = options.metadata;
+    Metadata metadata = given_metadata(plan);
     metadata.try_emplace(software_key, std::string("Tessera ") + library_version);
-    std::erase_if(metadata, [](const auto& entry) { return entry.first.starts_with(made_prefix); });
     if (options.reuse != nullptr) { // its tiles decide the quantiser
         for (const auto& entry : options.reuse->container().metadata())
             if (entry.first.starts_with(made_prefix))

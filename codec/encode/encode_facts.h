@@ -14,9 +14,11 @@ JournalFacts facts_of(const EncodePlan& plan);
 // saves.
 JournalFacts facts_of(const EncodePlan& plan, const Sample& sample);
 
-// The metadata of the file: options.metadata, "Software" if it is absent, and how the file was
-// encoded under the keys of FORMAT.md 5.5, which replace any that the input had. Equal options give
-// equal metadata: no time, path or number of threads.
+// options.metadata without the keys that belong to the encoder.
+Metadata given_metadata(const EncodePlan& plan);
+
+// The same with "Software" if it is absent, and how the file was encoded under the keys of FORMAT.md
+// 5.5. Equal options give equal metadata: no time, path or number of threads.
 Metadata recorded_metadata(const EncodePlan& plan);
 
 } // namespace tessera

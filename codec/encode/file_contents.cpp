@@ -1,6 +1,7 @@
 #include "codec/encode/file_contents.h"
 
 #include "codec/encode/encode_facts.h"
+#include "format/container/syntax.h"
 #include "format/tile/features.h"
 
 #include <algorithm>
@@ -9,13 +10,14 @@ namespace tessera {
 
 FileContents::FileContents(const EncodePlan& plan, const PassResult& pass,
                            const std::vector<CoarseLevel>& levels)
-    : plan_(plan), pass_(pass), levels_(levels), coding_(write_coding_parameters(pass.parameters)) {
+    : plan_(plan), pass_(pass), levels_(levels),
+      coding_(write_coding_parameters(pass.parameters, plan.colour.desc.channels,
+                                      plan.colour.corrections)) {
     contents_.desc = plan.colour.desc;
     contents_.desc.size = plan.views.texture_size();
     contents_.alignment = plan.views.alignment();
     contents_.tile_extent = plan.grid.tile_extent();
     contents_.description = plan.options.description;
-    contents_.metadata = recorded_metadata(plan);
     contents_.colour = plan.colour.transform;
     contents_.background = plan.colour.background;
     contents_.required_features = (plan.colour.corrections ? feature_corrections : 0) |
@@ -34,6 +36,20 @@ FileContents::FileContents(const EncodePlan& plan, const PassResult& pass,
         TESSERA_TRY(place.payloads.get(place.number, payload_));
         return std::span<const std::byte>(payload_);
     };
+    choose_metadata();
+}
+
+// How a file was encoded is worth at most 1 % of its bytes, so small files do not say it.
+void FileContents::choose_metadata() {
+    const auto section_bytes = [](const Metadata& metadata) -> std::uint64_t {
+        const auto section = pack_metadata(metadata);
+        return metadata.empty() || !section ? 0 : section_entry_bytes + section->size();
+    };
+    const Metadata given = given_metadata(plan_);
+    contents_.metadata = recorded_metadata(plan_);
+    const std::uint64_t cost = section_bytes(contents_.metadata) - section_bytes(given);
+    if (const auto bytes = container_bytes(contents_); bytes && 100 * cost > *bytes)
+        contents_.metadata = given;
 }
 
 // Tiles are numbered through the texture and then through the levels, finest first.

@@ -30,6 +30,7 @@ private:
     };
     Place place_of(std::uint64_t tile) const;
     bool has_stored_tiles() const;
+    void choose_metadata();
 
     const EncodePlan& plan_;
     const PassResult& pass_;

@@ -7,6 +7,7 @@
 #include "format/io/system_calls.h"
 #include "format/io/unfinished.h"
 #include "format/output_file.h"
+#include "format/tile/limits.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -131,7 +132,7 @@ std::string difference(const JournalFacts& named, const JournalFacts& before,
 std::vector<std::byte> pass_name(unsigned number, const CodingParameters& parameters) {
     std::vector<std::byte> name;
     append_le(name, static_cast<std::uint32_t>(number));
-    append_bytes(name, write_coding_parameters(parameters));
+    append_bytes(name, write_coding_parameters(parameters, max_planes, true));
     return name;
 }
 

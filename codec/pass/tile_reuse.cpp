@@ -1,7 +1,7 @@
 #include "codec/pass/tile_reuse.h"
 
 #include "codec/decoder.h"
-#include "format/container_reader.h"
+#include "format/container/file_coding.h"
 #include "format/tile/features.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ Result<CodingParameters> plan_reuse(const Decoder& file, EncodePlan& plan) {
     plan.effort.recode = false;
     if (header.colour != ColourTransform::ycocg_r) // rotations are defined on YCoCg
         plan.effort.rotate_colours = plan.effort.search.rotated_colours = false;
-    return read_coding_parameters(container.codec_parameters()).with_context(container.name());
+    return coding_of(container).with_context(container.name());
 }
 
 Result<bool> load_reusable_tile(const EncodePlan& plan, std::uint64_t number,

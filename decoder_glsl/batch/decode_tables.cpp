@@ -2,6 +2,7 @@
 
 #include "decoder_glsl/batch/plain_pixels.h"
 #include "decoder_glsl/shaders/shader_layout.h"
+#include "format/container/file_coding.h"
 #include "format/container/syntax.h"
 #include "format/samples.h"
 #include "format/tile/code_tables.h"
@@ -244,11 +245,8 @@ void DecodeTables::add_shape(const BlockShape& shape, std::uint32_t id,
 }
 
 Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
-    TESSERA_TRY_ASSIGN(
-        const auto coding,
-        read_coding_parameters(reader.codec_parameters()).with_context(reader.name()));
     const FileHeader& header = reader.header();
-    TESSERA_TRY(check_features(coding, header.required_features).with_context(reader.name()));
+    TESSERA_TRY_ASSIGN(const auto coding, coding_of(reader).with_context(reader.name()));
     DecodeTables tables;
     tables.planes_ = header.desc.channels;
     tables.has_corrections_ = (header.required_features & feature_corrections) != 0;

@@ -10,46 +10,41 @@ namespace {
 
 constexpr std::size_t identifier_name_bytes = 8;
 
-// The first violation of the order, the offsets or the uniqueness of sections (FORMAT.md 1.2), or
-// "". Precondition: the types are valid.
+// The first violation of FORMAT.md 1.2 by the section table, or "". Precondition: the types are
+// valid.
 std::string table_problem(std::span<const SectionEntry> entries, const FileHeader& header) {
-    std::uint64_t expected = header_bytes + entries.size() * section_entry_bytes;
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-        const SectionEntry& entry = entries[i];
+    std::uint64_t end = header_bytes + entries.size() * section_entry_bytes;
+    for (const SectionEntry& entry : entries) {
         const std::string name = "section " + entry.name();
-        if (entry.offset != expected)
-            return name + " starts" + at_offset(entry.offset) + " instead of " +
-                   std::to_string(expected);
-        if (entry.length > header.file_size - expected)
-            return name + at_offset(entry.offset) + " with " + std::to_string(entry.length) +
+        if (follows_head(entry.name()))
+            return name + " is in the section table";
+        if (end + entry.length > header.file_size)
+            return name + at_offset(end) + " with " + std::to_string(entry.length) +
                    " bytes reaches past the end of the file";
-        expected += entry.length;
+        end += entry.length;
         const auto same = [&](const SectionEntry& other) { return other.type == entry.type; };
         if (std::ranges::count_if(entries, same) > 1)
             return name + " appears twice";
     }
-    if (expected != header.file_size)
-        return "the sections end" + at_offset(expected) + ", the file has " +
-               std::to_string(header.file_size) + " bytes";
+    if (end > max_head_bytes)
+        return "the sections before INDX end" + at_offset(end) + ", above the limit of " +
+               std::to_string(max_head_bytes);
+    if (end + header.index_size > header.file_size)
+        return "section INDX" + at_offset(end) + " with " + std::to_string(header.index_size) +
+               " bytes reaches past the end of the file";
     return "";
 }
 
 std::string needed_section_problem(std::span<const SectionEntry> entries,
                                    const FileHeader& header) {
-    for (const char* type : {"CODE", "LEVL", "ROOT", "INDX", "DATA"})
-        if (std::ranges::none_of(entries, [&](const auto& e) { return e.name() == type; }))
-            return std::string("section ") + type + " is missing";
-    const SectionEntry& index = entries[entries.size() - 2];
-    const SectionEntry& data = entries.back();
-    if (index.name() != "INDX" || data.name() != "DATA")
-        return "the last sections are not INDX and DATA";
-    if (index.crc != 0 || data.crc != 0)
-        return "INDX and DATA have checksums in the section table";
-    if (index.offset != header.head_size)
-        return "header field head_size is " + std::to_string(header.head_size) + ", INDX starts" +
-               at_offset(index.offset);
-    if (index.length > std::numeric_limits<std::uint32_t>::max())
-        return "section INDX has " + std::to_string(index.length) + " bytes, more than 2^32 - 1";
+    const auto has = [&](const char* type) {
+        return std::ranges::any_of(entries, [&](const auto& e) { return e.name() == type; });
+    };
+    if (!has("CODE"))
+        return "section CODE is missing";
+    if (has("LEVL") != (header.level_count > 1))
+        return has("LEVL") ? "there is a section LEVL, but no coarse level"
+                           : "section LEVL is missing";
     return "";
 }
 
@@ -68,9 +63,11 @@ Status OpenContainer::load(ByteSource& source, const OpenOptions& options, Conta
     TESSERA_TRY(load_header(options, rule));
     TESSERA_TRY(load_sections(options, rule));
     rule = ContainerRule::metadata;
-    if (std::ranges::find(sections_, "meta", &SectionInfo::type) != sections_.end()) {
+    if (has_section("meta")) {
         TESSERA_TRY_ASSIGN(metadata_, unpack_metadata(section_bytes("meta")).with_context(name()));
     }
+    rule = ContainerRule::geometry;
+    TESSERA_TRY(load_geometry());
     rule = ContainerRule::levels;
     TESSERA_TRY(load_levels());
     rule = ContainerRule::root;
@@ -150,65 +147,87 @@ Status OpenContainer::load_sections(const OpenOptions& options, ContainerRule& r
             return invalid(problem);
 
     rule = ContainerRule::readable;
-    const std::uint64_t index_end = header_.head_size + entries[entries.size() - 2].length;
+    list_sections(entries);
+    TESSERA_TRY(load_head(options));
+    rule = ContainerRule::section_crc;
+    for (const SectionEntry& entry : entries)
+        if (crc32c(section_bytes(entry.name())) != entry.crc)
+            return invalid("the checksum of section " + entry.name() +
+                           at_offset(section(entry.name()).offset) + " is wrong");
+    return {};
+}
+
+void OpenContainer::list_sections(std::span<const SectionEntry> entries) {
+    std::uint64_t offset = header_bytes + entries.size() * section_entry_bytes;
+    const auto list = [&](const std::string& type, std::uint64_t length, bool required) {
+        sections_.push_back({.type = type,
+                             .offset = offset,
+                             .length = length,
+                             .required = required,
+                             .known = is_known_section(type)});
+        offset += length;
+    };
+    for (const SectionEntry& entry : entries)
+        list(entry.name(), entry.length, entry.required());
+    list("INDX", header_.index_size, true);
+    list("DATA", header_.file_size - offset, true);
+}
+
+// Reads what the first read left of the head.
+Status OpenContainer::load_head(const OpenOptions& options) {
+    const std::uint64_t head_size = section("INDX").offset, index_end = section("DATA").offset;
     if (source_->size() < index_end)
         return invalid("only the first " + std::to_string(source_->size()) + " of " +
                        std::to_string(header_.file_size) +
                        " bytes are there; a partial file needs the index, which ends at offset " +
                        std::to_string(index_end));
-    if (header_.head_size > options.most_head_bytes)
+    if (head_size > options.most_head_bytes)
         return {ErrorCode::over_budget,
-                name() + ": the " + std::to_string(header_.head_size) +
+                name() + ": the " + std::to_string(head_size) +
                     " bytes before the index must be held in memory, but only " +
                     std::to_string(options.most_head_bytes) + " are allowed"};
-    if (const std::size_t have = head_.size(); have < header_.head_size) {
-        head_.resize(header_.head_size);
+    if (const std::size_t have = head_.size(); have < head_size) {
+        head_.resize(static_cast<std::size_t>(head_size));
         TESSERA_TRY(source_->read(have, std::span(head_).subspan(have)));
-    }
-    rule = ContainerRule::section_crc;
-    for (const SectionEntry& entry : entries) {
-        sections_.push_back({.type = entry.name(),
-                             .offset = entry.offset,
-                             .length = entry.length,
-                             .required = entry.required(),
-                             .known = is_known_section(entry.name())});
-        const bool own_checksums = entry.name() == "INDX" || entry.name() == "DATA";
-        if (!own_checksums && crc32c(section_bytes(entry.name())) != entry.crc)
-            return invalid("the checksum of section " + entry.name() + at_offset(entry.offset) +
-                           " is wrong");
     }
     return {};
 }
 
+Status OpenContainer::load_geometry() {
+    if (has_section("geom"))
+        return read_geometry(section_bytes("geom"), header_.description).with_context(name());
+    return is_sphere(header_.description.proxy)
+               ? invalid("the proxy is a sphere, but section geom is missing")
+               : Status();
+}
+
 Status OpenContainer::load_levels() {
-    const std::span<const std::byte> bytes = section_bytes("LEVL");
-    if (bytes.size() != header_.level_count * level_entry_bytes)
-        return invalid("section LEVL has " + std::to_string(bytes.size()) + " bytes for " +
-                       std::to_string(header_.level_count) + " levels");
-    TESSERA_TRY_ASSIGN(const std::vector<LevelEntry> entries,
-                       read_levels(bytes).with_context(name()));
-    if (entries.front().size != aligned_views().grid_size())
-        return invalid("section LEVL does not start with the texture itself");
+    TESSERA_TRY_ASSIGN(
+        const std::vector<LevelEntry> entries,
+        read_levels(section_bytes("LEVL"), header_.level_count, aligned_views().grid_size())
+            .with_context(name()));
     TESSERA_TRY_ASSIGN(table_, LevelTable::make(entries, header_.tile_extent).with_context(name()));
     return {};
 }
 
 Status OpenContainer::load_root() {
-    root_ = section_bytes("ROOT");
     const std::uint32_t groups = group_count();
-    if (root_.size() != (std::size_t{groups} + 1) * root_entry_bytes)
+    if (has_section("ROOT") != (groups > 1))
+        return invalid(groups > 1 ? "section ROOT is missing"
+                                  : "there is a section ROOT, but only one group");
+    root_ = section_bytes("ROOT");
+    if (root_.size() != (std::size_t{groups} - 1) * root_entry_bytes)
         return invalid("section ROOT has " + std::to_string(root_.size()) + " bytes for " +
                        std::to_string(groups) + " groups");
-    const SectionInfo& index = section("INDX");
-    const SectionInfo& data = section("DATA");
-    const RootEntry first = root(0), last = root(groups);
-    if (first.data != data.offset || first.index != index.offset ||
-        last.data != data.offset + data.length || last.index != index.offset + index.length)
-        return invalid("section ROOT does not span INDX and DATA");
-    for (std::uint32_t group = 0; group < groups; ++group)
-        if (root(group).data > root(group + 1).data || root(group).index >= root(group + 1).index)
-            return invalid("entry " + std::to_string(group + 1) +
-                           " of section ROOT does not ascend");
+    RootEntry last{0, 0};
+    for (std::uint32_t group = 1; group < groups; ++group) {
+        const RootEntry entry = root_entry(group);
+        if (entry.data < last.data || entry.index <= last.index)
+            return invalid("section ROOT does not ascend at group " + std::to_string(group));
+        last = entry;
+    }
+    if (last.data > section("DATA").length || last.index >= header_.index_size)
+        return invalid("section ROOT reaches past the end of INDX or DATA");
     return {};
 }
 

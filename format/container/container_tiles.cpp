@@ -5,6 +5,10 @@
 
 namespace tessera {
 
+bool OpenContainer::has_section(const std::string& type) const {
+    return std::ranges::find(sections_, type, &SectionInfo::type) != sections_.end();
+}
+
 const SectionInfo& OpenContainer::section(const std::string& type) const {
     return *std::ranges::find(sections_, type, &SectionInfo::type);
 }
@@ -17,10 +21,17 @@ std::span<const std::byte> OpenContainer::section_bytes(const std::string& type)
                                     static_cast<std::size_t>(found->length));
 }
 
+OpenContainer::RootEntry OpenContainer::root_entry(std::uint32_t group) const {
+    const std::byte* at = root_.data() + std::size_t{group - 1} * root_entry_bytes;
+    return {.data = load_le<std::uint64_t>(at), .index = load_le<std::uint32_t>(at + 8)};
+}
+
 OpenContainer::RootEntry OpenContainer::root(std::uint32_t group) const {
-    const std::byte* at = root_.data() + std::size_t{group} * root_entry_bytes;
-    return {.data = load_le<std::uint64_t>(at),
-            .index = std::uint64_t{header_.head_size} + load_le<std::uint32_t>(at + 8)};
+    const auto data = sections_.end() - 1, index = data - 1;
+    const RootEntry entry = group == 0               ? RootEntry{0, 0}
+                            : group == group_count() ? RootEntry{data->length, index->length}
+                                                     : root_entry(group);
+    return {.data = data->offset + entry.data, .index = index->offset + entry.index};
 }
 
 GroupKey OpenContainer::group_key(std::uint32_t group) const {

@@ -73,7 +73,7 @@ private:
     // Replaces the lengths of pages by their checksums.
     Status sum_pages(std::uint32_t group, std::vector<std::uint32_t>& pages) const;
     Status make_level_table();
-    void build_root(std::uint64_t data_offset);
+    void build_root();
     std::vector<Section> head_sections() const;
 
     const ContainerContents& contents_;
@@ -85,8 +85,8 @@ private:
         std::uint64_t data;  // bytes from the start of DATA
         std::uint32_t index; // bytes from the start of INDX
     };
-    std::vector<GroupStart> groups_; // one per group, and a last one for the ends
-    std::vector<std::byte> metadata_, levels_, root_, index_;
+    std::vector<GroupStart> groups_;
+    std::vector<std::byte> metadata_, geometry_, levels_, root_, index_;
 };
 
 template <class Visit> Status Builder::for_each_tile(Visit visit) const {
@@ -100,6 +100,7 @@ template <class Visit> Status Builder::for_each_tile(Visit visit) const {
 
 Status Builder::check() {
     const ContainerContents& c = contents_;
+    geometry_ = write_geometry(c.description);
     if (const std::uint32_t page = c.page_bytes.value_or(0);
         page % page_unit != 0 || page > max_page_bytes)
         return bad("pages of " + std::to_string(page) +
@@ -119,6 +120,8 @@ Status Builder::check() {
     Status status = check_features(header_);
     if (status)
         status = check_fields(header_);
+    if (status)
+        status = check_geometry(c.description);
     if (!status)
         return bad(status.message());
     TESSERA_TRY(make_level_table());
@@ -200,7 +203,8 @@ Result<std::vector<std::uint32_t>> Builder::tile_lengths(std::uint32_t group) co
 // The identity depends only on the contents: equal contents give equal files, and different
 // contents almost certainly get different identities.
 Status Builder::choose_identity() {
-    std::uint32_t lengths = crc32c(contents_.codec_parameters, crc32c(store_header(header_)));
+    std::uint32_t lengths =
+        crc32c(contents_.codec_parameters, crc32c(geometry_, crc32c(store_header(header_))));
     std::uint32_t bytes = 0;
     TESSERA_TRY(for_each_tile([&](std::uint64_t tile) -> Status {
         TESSERA_TRY_ASSIGN(const std::span<const std::byte> data, contents_.tile(tile));
@@ -247,15 +251,13 @@ Status Builder::build_index(bool with_checksums) {
         if (index_.size() > std::numeric_limits<std::uint32_t>::max())
             return too_large("the index has more than 2^32 - 1 bytes");
     }
-    groups_.push_back({data_bytes_, static_cast<std::uint32_t>(index_.size())});
     return {};
 }
 
-void Builder::build_root(std::uint64_t data_offset) {
-    root_.clear();
-    for (const GroupStart& group : groups_) {
-        append_le(root_, data_offset + group.data);
-        append_le(root_, group.index);
+void Builder::build_root() {
+    for (std::size_t group = 1; group < groups_.size(); ++group) {
+        append_le(root_, groups_[group].data);
+        append_le(root_, groups_[group].index);
     }
 }
 
@@ -264,20 +266,24 @@ std::vector<Section> Builder::head_sections() const {
     if (!metadata_.empty())
         sections.push_back({"meta", metadata_});
     sections.push_back({"CODE", contents_.codec_parameters});
-    sections.push_back({"LEVL", levels_});
+    if (!levels_.empty())
+        sections.push_back({"LEVL", levels_});
+    if (!geometry_.empty())
+        sections.push_back({"geom", geometry_});
     if (!contents_.proxy_mesh.empty())
         sections.push_back({"prxy", contents_.proxy_mesh});
     for (const ExtraSection& extra : contents_.extra)
         sections.push_back({extra.type, extra.bytes});
-    sections.push_back({"ROOT", root_});
+    if (!root_.empty())
+        sections.push_back({"ROOT", root_});
     return sections;
 }
 
 Status Builder::build_head() {
     levels_ = write_levels(entries_);
-    root_.resize(groups_.size() * root_entry_bytes);
+    build_root();
     const std::vector<Section> sections = head_sections();
-    const std::size_t count = sections.size() + 2;
+    const std::size_t count = sections.size();
     if (count > max_sections)
         return bad("more than " + std::to_string(max_sections) + " sections");
 
@@ -286,27 +292,21 @@ Status Builder::build_head() {
         offset += section.bytes.size();
     if (offset > max_head_bytes)
         return too_large("the head has more than 2^28 bytes");
-    header_.section_count = static_cast<std::uint16_t>(count);
-    header_.head_size = static_cast<std::uint32_t>(offset);
+    header_.section_count = static_cast<std::uint8_t>(count);
+    header_.index_size = static_cast<std::uint32_t>(index_.size());
     header_.file_size = offset + index_.size() + data_bytes_;
-    build_root(offset + index_.size());
     return {};
 }
 
 Status Builder::write(ByteSink& sink) const {
     const std::vector<Section> sections = head_sections();
     std::vector<std::byte> table;
-    std::uint64_t offset = header_bytes + header_.section_count * section_entry_bytes;
-    const auto add_entry = [&](const std::string& type, std::uint32_t crc, std::uint64_t length) {
-        SectionEntry entry{.crc = crc, .offset = offset, .length = length};
-        std::copy_n(type.begin(), entry.type.size(), entry.type.begin());
+    for (const Section& section : sections) {
+        SectionEntry entry{.crc = crc32c(section.bytes),
+                           .length = static_cast<std::uint32_t>(section.bytes.size())};
+        std::copy_n(section.type.begin(), entry.type.size(), entry.type.begin());
         append_bytes(table, store_section(entry));
-        offset += length;
-    };
-    for (const Section& section : sections)
-        add_entry(section.type, crc32c(section.bytes), section.bytes.size());
-    add_entry("INDX", 0, index_.size());
-    add_entry("DATA", 0, data_bytes_);
+    }
 
     std::array<std::byte, header_bytes> header = store_header(header_);
     const auto summed = std::span(header).first<header_crc_offset>();

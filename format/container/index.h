@@ -1,5 +1,5 @@
 // Index records: where the tiles of a group are, and the pages whose checksums cover them
-// (FORMAT.md 1.4).
+// (FORMAT.md 1.5).
 #pragma once
 
 #include "format/status.h"
@@ -46,7 +46,7 @@ struct GroupIndex {
 
 inline constexpr std::size_t checksum_bytes = 4; // of a page or a record
 
-// The lengths in bytes of the pages into which FORMAT.md 1.4 gathers tiles of these lengths.
+// The lengths in bytes of the pages into which FORMAT.md 1.5 gathers tiles of these lengths.
 std::vector<std::uint32_t> split_into_pages(std::span<const std::uint32_t> tile_lengths,
                                             std::uint32_t page_bytes);
 

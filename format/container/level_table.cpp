@@ -102,37 +102,32 @@ Box4 LevelTable::box(std::uint64_t tile) const {
 
 std::vector<std::byte> write_levels(std::span<const LevelEntry> entries) {
     std::vector<std::byte> bytes;
-    for (const LevelEntry& entry : entries) {
-        for (const std::uint32_t extent : entry.size)
-            append_le(bytes, extent);
+    for (const LevelEntry& entry : entries.subspan(1)) {
         append_le(bytes, entry.spatial_lod);
         append_le(bytes, entry.angular_lod);
         append_le(bytes, std::uint8_t{0}); // quality_layer
         append_le(bytes, entry.step_shift);
-        append_le(bytes, std::uint32_t{0});
     }
     return bytes;
 }
 
-Result<std::vector<LevelEntry>> read_levels(std::span<const std::byte> section) {
-    if (section.empty() || section.size() % level_entry_bytes != 0 ||
-        section.size() / level_entry_bytes > max_levels)
-        return Status(ErrorCode::invalid_file,
-                      "section LEVL has " + std::to_string(section.size()) + " bytes");
-    std::vector<LevelEntry> entries;
+Result<std::vector<LevelEntry>> read_levels(std::span<const std::byte> section, unsigned count,
+                                            const Extent4& full) {
+    if (section.size() != (count - 1) * level_entry_bytes)
+        return Status(ErrorCode::invalid_file, "section LEVL has " +
+                                                   std::to_string(section.size()) + " bytes for " +
+                                                   std::to_string(count) + " levels");
+    std::vector<LevelEntry> entries = {LevelEntry{.size = full}};
     for (; !section.empty(); section = section.subspan(level_entry_bytes)) {
-        LevelEntry entry;
-        for (std::size_t axis = 0; axis < 4; ++axis)
-            entry.size[axis] = load_le<std::uint32_t>(section.data() + 4 * axis);
-        entry.spatial_lod = load_le<std::uint8_t>(section.data() + 16);
-        entry.angular_lod = load_le<std::uint8_t>(section.data() + 17);
-        entry.step_shift = load_le<std::uint8_t>(section.data() + 19);
-        if (section[18] != std::byte{0})
+        const auto spatial_lod = load_le<std::uint8_t>(section.data());
+        const auto angular_lod = load_le<std::uint8_t>(section.data() + 1);
+        if (spatial_lod > max_lod || angular_lod > max_lod)
+            return bad_level(entries.size(), "is halved more than 20 times");
+        if (section[2] != std::byte{0})
             return bad_level(entries.size(),
                              "is a quality layer, which this version does not support");
-        if (load_le<std::uint32_t>(section.data() + 20) != 0)
-            return bad_level(entries.size(), "has a reserved field that is not 0");
-        entries.push_back(entry);
+        entries.push_back(coarse_level(full, spatial_lod, angular_lod,
+                                       load_le<std::uint8_t>(section.data() + 3)));
     }
     return entries;
 }

@@ -1,4 +1,4 @@
-// The levels of a file, and how their tiles are numbered, grouped and ordered (FORMAT.md 1.4).
+// The levels of a file, and how their tiles are numbered, grouped and ordered (FORMAT.md 1.5).
 #pragma once
 
 #include "format/levels.h"
@@ -43,8 +43,11 @@ private:
     std::uint32_t group_count_ = 0;
 };
 
-// Write and read section LEVL. Errors: invalid_file, without the file's name.
+// Section LEVL, which holds the coarse levels only; empty if there are none. Entry 0 is the texture.
 std::vector<std::byte> write_levels(std::span<const LevelEntry> entries);
-Result<std::vector<LevelEntry>> read_levels(std::span<const std::byte> section);
+// The inverse, for a file of `count` levels whose level 0 has the size `full`. Preconditions: count
+// >= 1, and check_desc() accepts the size. Errors: invalid_file, without the file's name.
+Result<std::vector<LevelEntry>> read_levels(std::span<const std::byte> section, unsigned count,
+                                            const Extent4& full);
 
 } // namespace tessera

@@ -62,15 +62,23 @@ private:
     Status load_groups(std::span<const std::uint32_t> groups) const;
     Status load_header(const OpenOptions& options, ContainerRule& rule);
     Status load_sections(const OpenOptions& options, ContainerRule& rule);
+    void list_sections(std::span<const SectionEntry> entries);
+    Status load_head(const OpenOptions& options);
+    Status load_geometry();
     Status load_levels();
     Status load_root();
+    bool has_section(const std::string& type) const;
     // Precondition: the section exists.
     const SectionInfo& section(const std::string& type) const;
     Status invalid(const std::string& text) const;
 
     struct RootEntry {
-        std::uint64_t data, index; // bytes from the start of the file
+        std::uint64_t data, index; // bytes
     };
+    // What section ROOT says about a group above 0, counted from the starts of DATA and INDX.
+    RootEntry root_entry(std::uint32_t group) const;
+    // Where the bytes and the record of a group start, counted from the start of the file. The group
+    // after the last one starts where DATA and INDX end.
     RootEntry root(std::uint32_t group) const;
     GroupKey group_key(std::uint32_t group) const;
     struct IndexRange {
@@ -112,7 +120,7 @@ private:
         return offset <= head_.size() && length <= head_.size() - offset;
     }
     std::vector<std::byte> head_; // the file up to INDX, or more if the first read brought more
-    std::vector<SectionInfo> sections_;
+    std::vector<SectionInfo> sections_; // the last two are INDX and DATA
     Metadata metadata_;
     LevelTable table_;
     std::span<const std::byte> root_; // into head_

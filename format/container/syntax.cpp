@@ -40,34 +40,26 @@ private:
 // One list of the fields of FORMAT.md 1.1 serves both directions, so that they cannot disagree.
 // `Fields` is FieldReader with a mutable header, or FieldWriter with a const header.
 template <class Fields, class Header> void walk_header(Fields& fields, Header& h) {
-    const auto byte_enum = [&](auto& value) {
-        auto raw = static_cast<std::uint8_t>(value);
+    const auto as = [&]<class Raw>(Raw, auto& value) {
+        auto raw = static_cast<Raw>(value);
         fields.field(raw);
         if constexpr (!std::is_const_v<Header>)
             value = static_cast<std::remove_reference_t<decltype(value)>>(raw);
     };
-    const auto real = [&](auto& value) {
-        auto raw = std::bit_cast<std::uint32_t>(value);
-        fields.field(raw);
-        if constexpr (!std::is_const_v<Header>)
-            value = std::bit_cast<float>(raw);
-    };
+    const auto byte_enum = [&](auto& value) { as(std::uint8_t{}, value); };
     fields.field(h.version_major);
     fields.field(h.version_minor);
-    fields.field(h.required_features);
-    fields.field(h.optional_features);
+    as(std::uint32_t{}, h.required_features);
+    as(std::uint32_t{}, h.optional_features);
     fields.field(h.file_size);
-    fields.field(h.head_size);
+    fields.field(h.index_size);
     fields.field(h.section_count);
+    fields.field(h.level_count);
     fields.field(h.page_target);
     for (auto& extent : h.desc.size)
         fields.field(extent);
-    for (auto& extent : h.tile_extent) {
-        auto raw = static_cast<std::uint8_t>(extent);
-        fields.field(raw);
-        if constexpr (!std::is_const_v<Header>)
-            extent = raw;
-    }
+    for (auto& extent : h.tile_extent)
+        as(std::uint8_t{}, extent);
     byte_enum(h.desc.type);
     fields.field(h.desc.channels);
     byte_enum(h.colour);
@@ -77,20 +69,14 @@ template <class Fields, class Header> void walk_header(Fields& fields, Header& h
     byte_enum(h.description.angular_map);
     byte_enum(h.description.transfer);
     byte_enum(h.description.primaries);
-    fields.field(h.level_count);
+    fields.field(h.reserved);
     auto align_u = static_cast<std::uint8_t>(h.alignment.u);
     auto align_v = static_cast<std::uint8_t>(h.alignment.v);
     fields.field(align_u);
     fields.field(align_v);
-    for (auto& value : h.description.sphere_centre)
-        real(value);
-    real(h.description.sphere_radius);
-    for (auto& value : h.description.viewing_radius)
-        real(value);
     for (auto& value : h.background)
         fields.field(value);
     fields.field(h.identity);
-    fields.field(h.reserved);
     fields.field(h.crc);
     if constexpr (!std::is_const_v<Header>)
         h.alignment = {static_cast<std::int8_t>(align_u), static_cast<std::int8_t>(align_v)};
@@ -152,17 +138,19 @@ Status check_background(const FileHeader& h) {
     return {};
 }
 
-Status check_geometry(const Description& d) {
-    if (!std::ranges::all_of(d.sphere_centre, [](float x) { return std::isfinite(x); }))
-        return invalid("header field sphere_centre is not finite");
-    const bool sphere = is_sphere(d.proxy);
-    if (!std::isfinite(d.sphere_radius) || (sphere ? !(d.sphere_radius > 0) : d.sphere_radius != 0))
-        return invalid(std::string("header field sphere_radius is not ") +
-                       (sphere ? "above 0" : "0 without a sphere"));
-    const auto [near, far] = std::pair(d.viewing_radius[0], d.viewing_radius[1]);
-    if (!std::isfinite(near) || !std::isfinite(far) || near < 0 || near > far)
-        return invalid("header field viewing_radius is not 0 <= near <= far");
-    return {};
+// Calls visit(number) for the numbers of section geom in order.
+template <class SomeDescription, class Visit> void walk_geometry(SomeDescription& d, Visit visit) {
+    for (auto& value : d.sphere_centre)
+        visit(value);
+    visit(d.sphere_radius);
+    for (auto& value : d.viewing_radius)
+        visit(value);
+}
+
+bool has_geometry(const Description& d) {
+    bool any = false;
+    walk_geometry(d, [&any](float value) { any = any || value != 0; });
+    return any;
 }
 
 } // namespace
@@ -205,7 +193,6 @@ Status check_fields(const FileHeader& h) {
                             sample_types.size() - 1));
     if (const Status status = check_desc(h.desc); !status)
         return invalid("header field size or channels: " + status.message());
-    TESSERA_TRY(check_range("head_size", h.head_size, 0, max_head_bytes));
     TESSERA_TRY(check_range("section_count", h.section_count, min_sections, max_sections));
     TESSERA_TRY(check_range("page_target", h.page_target, 0, max_page_target));
     TESSERA_TRY(check_tile_extent(h));
@@ -214,8 +201,43 @@ Status check_fields(const FileHeader& h) {
     TESSERA_TRY(check_range("level_count", h.level_count, levels ? 2 : 1, levels ? max_levels : 1));
     TESSERA_TRY(check_alignment(h));
     TESSERA_TRY(check_range("reserved", h.reserved, 0, 0));
-    TESSERA_TRY(check_geometry(h.description));
     return check_background(h);
+}
+
+Status check_geometry(const Description& d) {
+    if (!std::ranges::all_of(d.sphere_centre, [](float x) { return std::isfinite(x); }))
+        return invalid("sphere_centre is not finite");
+    const bool sphere = is_sphere(d.proxy);
+    if (!std::isfinite(d.sphere_radius) || (sphere ? !(d.sphere_radius > 0) : d.sphere_radius != 0))
+        return invalid(std::string("sphere_radius is not ") +
+                       (sphere ? "above 0" : "0 without a sphere"));
+    const auto [near, far] = std::pair(d.viewing_radius[0], d.viewing_radius[1]);
+    if (!std::isfinite(near) || !std::isfinite(far) || near < 0 || near > far)
+        return invalid("viewing_radius is not 0 <= near <= far");
+    return {};
+}
+
+std::vector<std::byte> write_geometry(const Description& description) {
+    std::vector<std::byte> section;
+    if (has_geometry(description))
+        walk_geometry(description, [&section](float value) {
+            append_le(section, std::bit_cast<std::uint32_t>(value));
+        });
+    return section;
+}
+
+Status read_geometry(std::span<const std::byte> section, Description& description) {
+    if (section.size() != geometry_bytes)
+        return invalid("section geom has " + std::to_string(section.size()) + " bytes instead of " +
+                       std::to_string(geometry_bytes));
+    walk_geometry(description, [at = section.data()](float& value) mutable {
+        value = std::bit_cast<float>(load_le<std::uint32_t>(at));
+        at += sizeof value;
+    });
+    if (const Status status = check_geometry(description); !status)
+        return invalid("section geom: " + status.message());
+    return has_geometry(description) ? Status()
+                                     : invalid("section geom has no number other than 0");
 }
 
 SectionEntry load_section(std::span<const std::byte, section_entry_bytes> bytes) {
@@ -223,8 +245,7 @@ SectionEntry load_section(std::span<const std::byte, section_entry_bytes> bytes)
     for (std::size_t i = 0; i < entry.type.size(); ++i)
         entry.type[i] = std::to_integer<char>(bytes[i]);
     entry.crc = load_le<std::uint32_t>(bytes.data() + 4);
-    entry.offset = load_le<std::uint64_t>(bytes.data() + 8);
-    entry.length = load_le<std::uint64_t>(bytes.data() + 16);
+    entry.length = load_le<std::uint32_t>(bytes.data() + 8);
     return entry;
 }
 
@@ -232,8 +253,7 @@ std::array<std::byte, section_entry_bytes> store_section(const SectionEntry& ent
     std::array<std::byte, section_entry_bytes> bytes;
     std::ranges::copy(std::as_bytes(std::span(entry.type)), bytes.begin());
     store_le(bytes.data() + 4, entry.crc);
-    store_le(bytes.data() + 8, entry.offset);
-    store_le(bytes.data() + 16, entry.length);
+    store_le(bytes.data() + 8, entry.length);
     return bytes;
 }
 
@@ -243,8 +263,12 @@ bool is_section_type(const std::string& type) {
 }
 
 bool is_known_section(const std::string& type) {
-    constexpr const char* known[] = {"CODE", "LEVL", "ROOT", "INDX", "DATA", "meta", "prxy"};
-    return std::ranges::find(known, type) != std::end(known);
+    constexpr const char* known[] = {"CODE", "LEVL", "ROOT", "meta", "geom", "prxy"};
+    return std::ranges::find(known, type) != std::end(known) || follows_head(type);
+}
+
+bool follows_head(const std::string& type) {
+    return type == "INDX" || type == "DATA";
 }
 
 } // namespace tessera

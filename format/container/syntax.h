@@ -22,12 +22,13 @@ inline constexpr std::array<unsigned char, 12> file_identifier = {
     0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', '\r', '\n', 0x1A, '\n'};
 
 // Sizes of records, in bytes, and limits.
-inline constexpr std::size_t header_bytes = 128;
-inline constexpr std::size_t header_crc_offset = 124;
-inline constexpr std::size_t section_entry_bytes = 24;
-inline constexpr std::size_t level_entry_bytes = 24;
+inline constexpr std::size_t header_bytes = 92;
+inline constexpr std::size_t header_crc_offset = 88;
+inline constexpr std::size_t section_entry_bytes = 12;
+inline constexpr std::size_t geometry_bytes = 24; // section geom
+inline constexpr std::size_t level_entry_bytes = 4;
 inline constexpr std::size_t root_entry_bytes = 12;
-inline constexpr unsigned min_sections = 5, max_sections = 64;
+inline constexpr unsigned min_sections = 1, max_sections = 62; // of the section table
 inline constexpr std::uint32_t max_head_bytes = 1u << 28;
 inline constexpr unsigned max_levels = 64;
 inline constexpr std::uint64_t max_tiles = 0xFFFFFFFFu;
@@ -44,21 +45,21 @@ std::string feature_name(unsigned bit);
 struct FileHeader {
     std::uint16_t version_major = format_version_major;
     std::uint16_t version_minor = format_version_minor;
-    std::uint64_t required_features = 0;
+    std::uint64_t required_features = 0; // the file stores the lower 32 bits of both
     std::uint64_t optional_features = 0;
-    std::uint64_t file_size = 0; // bytes
-    std::uint32_t head_size = 0; // bytes from the start of the file to INDX
-    std::uint16_t section_count = 0;
+    std::uint64_t file_size = 0;    // bytes
+    std::uint32_t index_size = 0;   // bytes of INDX
+    std::uint8_t section_count = 0; // of the section table, which lacks INDX and DATA
+    std::uint8_t level_count = 1;
     std::uint16_t page_target = 256; // in units of 16 bytes
     TextureDesc desc;                // of level 0
     Extent4 tile_extent{1, 1, 1, 1}; // texels, the largest tile
     ColourTransform colour = ColourTransform::none;
-    Description description;
-    std::uint8_t level_count = 1;
+    Description description; // its geometry is not in the header but in section geom
+    std::uint8_t reserved = 0;
     ViewAlignment alignment;
     std::array<std::uint16_t, 4> background{}; // a sample per channel, a half as its bits
     std::uint64_t identity = 0;
-    std::uint32_t reserved = 0;
     std::uint32_t crc = 0;
 
     std::uint32_t page_bytes() const { return std::uint32_t{page_target} * page_unit; }
@@ -80,14 +81,23 @@ std::array<std::byte, header_bytes> store_header(const FileHeader& header);
 // Errors: unsupported, which names the first required feature that this version does not know.
 Status check_features(const FileHeader& header);
 // Errors: invalid_file, which names the first field that is outside its range in FORMAT.md 1.1.
-// Does not check the version, the features, file_size, identity or crc.
+// Does not check the version, the features, file_size, index_size, identity, crc or the geometry.
 Status check_fields(const FileHeader& header);
+
+// Section geom (FORMAT.md 1.4): the sphere and the observers of a description.
+// Errors: invalid_file, which names the first number that is outside its range.
+Status check_geometry(const Description& description);
+// The content of the section; empty if all numbers are 0, because then there is no section.
+std::vector<std::byte> write_geometry(const Description& description);
+// Stores what the section says in `description`, whose proxy decides what is in range. Errors:
+// invalid_file, without the file's name.
+Status read_geometry(std::span<const std::byte> section, Description& description);
 
 // An entry of the section table.
 struct SectionEntry {
     std::array<char, 4> type{};
     std::uint32_t crc = 0;
-    std::uint64_t offset = 0, length = 0; // bytes, the offset from the start of the file
+    std::uint32_t length = 0; // bytes
 
     std::string name() const { return std::string(type.data(), type.size()); }
     bool required() const { return type[0] >= 'A' && type[0] <= 'Z'; }
@@ -99,6 +109,8 @@ std::array<std::byte, section_entry_bytes> store_section(const SectionEntry& ent
 bool is_section_type(const std::string& type);
 // Whether FORMAT.md defines what the section holds.
 bool is_known_section(const std::string& type);
+// Whether the section is INDX or DATA, which follow the head and are not in the section table.
+bool follows_head(const std::string& type);
 
 // Checks the limits of FORMAT.md 1.3. Errors: bad_argument, which names the key and the limit.
 Status check_metadata(const Metadata& metadata);

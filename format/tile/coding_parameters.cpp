@@ -9,9 +9,10 @@
 namespace tessera {
 namespace {
 
-// The fixed part: 5 steps, 2 x 2 offsets, 4 weights, correction error, difference model, flags.
-constexpr std::size_t fixed_code_bytes = 10 + 4 + 4 + 2 + 3 + 1;
-constexpr std::size_t filter_bytes = 2 * plane_classes * filter_rings;
+// The flags of section CODE.
+constexpr unsigned rotation_flag = 1, prediction_flag = 2, dependent_flag = 4, smooth_flag = 8,
+                   filter_flag = 16, base_flag = 32, v_against_u_flag = 64, weights_flag = 128,
+                   differences_flag = 256, known_flags = 511;
 
 // The probabilities with which the differences from the defaults are coded, which the writer fits
 // to them: that a difference is 0 after a difference of 0, that it is 0 after another difference,
@@ -67,36 +68,38 @@ void walk(const CodingParameters& coding, Decide decide, Sign sign) {
 
 } // namespace
 
-std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
+std::vector<std::byte> write_coding_parameters(const CodingParameters& coding, int planes,
+                                               bool corrections) {
     std::array<double, 3> stops{}, goes{};
     walk(
         coding, [&](std::size_t which, bool go) { (go ? goes : stops)[which] += 1.0; },
         [](bool) {});
-    DifferenceModel model;
-    for (std::size_t i = 0; i < model.parameter.size(); ++i)
-        model.parameter[i] = fit(stops[i], goes[i]);
+    const bool differs = goes[after_same] > 0; // the first difference comes after none
+    const bool weights = coding.scan_weights != default_scan_weights;
 
     std::vector<std::byte> out;
     const auto put = [&out](unsigned value, int bytes) {
         for (int i = 0; i < bytes; ++i)
             out.push_back(static_cast<std::byte>(value >> (8 * i) & 255));
     };
-    for (const StepCode& step : coding.step)
-        put(step.bits, 2);
-    put(coding.rotated_step.bits, 2);
-    for (const auto& offsets : coding.offsets)
+    put((coding.colour_rotation ? rotation_flag : 0) | (coding.prediction ? prediction_flag : 0) |
+            (coding.dependent ? dependent_flag : 0) | (coding.smooth_copies ? smooth_flag : 0) |
+            (coding.filter.is_on() ? filter_flag : 0) | (coding.base.on ? base_flag : 0) |
+            (coding.base.v_against_u ? v_against_u_flag : 0) | (weights ? weights_flag : 0) |
+            (differs ? differences_flag : 0),
+        2);
+    for (int plane = 0; plane < planes; ++plane)
+        put(coding.step[static_cast<std::size_t>(plane)].bits, 2);
+    if (coding.colour_rotation)
+        put(coding.rotated_step.bits, 2);
+    for (const auto& offsets : std::span(coding.offsets).first(planes > 1 ? 2 : 1))
         for (const std::uint8_t offset : offsets)
             put(offset, 1);
-    for (const std::uint8_t weight : coding.scan_weights)
-        put(weight, 1);
-    put(coding.correction_error, 2);
-    for (const std::uint8_t parameter : model.parameter)
-        put(parameter, 1);
-    put((coding.colour_rotation ? 1u : 0u) | (coding.prediction ? 2u : 0u) |
-            (coding.dependent ? 4u : 0u) | (coding.smooth_copies ? 8u : 0u) |
-            (coding.filter.is_on() ? 16u : 0u) | (coding.base.on ? 32u : 0u) |
-            (coding.base.v_against_u ? 64u : 0u),
-        1);
+    if (weights)
+        for (const std::uint8_t weight : coding.scan_weights)
+            put(weight, 1);
+    if (corrections)
+        put(coding.correction_error, 2);
     if (coding.base.on)
         put(coding.base.margin, 1);
     if (coding.filter.is_on())
@@ -105,7 +108,12 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
                 put(static_cast<std::uint8_t>(ring.strength), 1);
                 put(ring.reach, 1);
             }
+    if (!differs)
+        return out;
 
+    DifferenceModel model;
+    for (std::size_t i = 0; i < model.parameter.size(); ++i)
+        put(model.parameter[i] = fit(stops[i], goes[i]), 1);
     RansEncoder encoder;
     walk(
         coding,
@@ -117,76 +125,92 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding) {
     return out;
 }
 
-Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes) {
-    const auto damaged = [](const char* what) {
-        return Status(ErrorCode::invalid_file, std::string("section CODE: ") + what);
-    };
-    if (bytes.size() < fixed_code_bytes)
-        return damaged("too short");
-    CodingParameters coding;
-    std::size_t at = 0;
-    const auto get = [&](int count) {
-        unsigned value = 0;
-        for (int i = 0; i < count; ++i)
-            value |= std::to_integer<unsigned>(bytes[at++]) << (8 * i);
+namespace {
+
+Status bad_section(const char* what) {
+    return {ErrorCode::invalid_file, std::string("section CODE: ") + what};
+}
+
+// Takes fields from the start of a section. A field that is not there is 0 and sets cut_off().
+class CodeReader {
+public:
+    explicit CodeReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+    std::uint8_t u8() {
+        if (bytes_.empty()) {
+            cut_off_ = true;
+            return 0;
+        }
+        const auto value = std::to_integer<std::uint8_t>(bytes_.front());
+        bytes_ = bytes_.subspan(1);
         return value;
+    }
+    std::uint16_t u16() {
+        const unsigned low = u8();
+        return static_cast<std::uint16_t>(low | unsigned{u8()} << 8);
+    }
+    bool cut_off() const { return cut_off_; }
+    std::span<const std::byte> rest() const { return bytes_; }
+
+private:
+    std::span<const std::byte> bytes_;
+    bool cut_off_ = false;
+};
+
+Status read_flags(unsigned flags, CodingParameters& coding) {
+    if ((flags & ~known_flags) != 0)
+        return bad_section("unknown flags");
+    coding.colour_rotation = (flags & rotation_flag) != 0;
+    coding.prediction = (flags & prediction_flag) != 0;
+    coding.dependent = (flags & dependent_flag) != 0;
+    coding.smooth_copies = (flags & smooth_flag) != 0;
+    if (coding.smooth_copies && !coding.prediction)
+        return bad_section("smooth copies without predictions");
+    coding.base.on = (flags & base_flag) != 0;
+    coding.base.v_against_u = (flags & v_against_u_flag) != 0;
+    if (coding.base.on ? !coding.prediction : coding.base.v_against_u)
+        return bad_section(
+            "base pictures without predictions, or a direction without base pictures");
+    return {};
+}
+
+Status read_steps_and_offsets(CodeReader& in, int planes, CodingParameters& coding) {
+    bool fits = true;
+    const auto read_step = [&](StepCode& step) {
+        step.bits = in.u16();
+        fits = fits && (step.bits >> 11) <= max_step_exponent;
     };
-    const auto get_step = [&](StepCode& step) {
-        step.bits = static_cast<std::uint16_t>(get(2));
-        return (step.bits >> 11) <= max_step_exponent;
-    };
-    for (StepCode& step : coding.step)
-        if (!get_step(step))
-            return damaged("step out of range");
-    if (!get_step(coding.rotated_step))
-        return damaged("step out of range");
-    for (auto& offsets : coding.offsets)
+    for (int plane = 0; plane < planes; ++plane)
+        read_step(coding.step[static_cast<std::size_t>(plane)]);
+    if (coding.colour_rotation)
+        read_step(coding.rotated_step);
+    if (!fits)
+        return bad_section("step out of range");
+    for (auto& offsets : std::span(coding.offsets).first(planes > 1 ? 2 : 1))
         for (std::uint8_t& offset : offsets)
-            if ((offset = static_cast<std::uint8_t>(get(1))) > 31)
-                return damaged("reconstruction offset out of range");
-    for (std::uint8_t& weight : coding.scan_weights)
-        if ((weight = static_cast<std::uint8_t>(get(1))) == 0)
-            return damaged("scan weight 0");
-    coding.correction_error = static_cast<std::uint16_t>(get(2));
+            if ((offset = in.u8()) > 31)
+                return bad_section("reconstruction offset out of range");
+    return {};
+}
+
+Status read_filter(CodeReader& in, TileFilter& filter) {
+    for (auto& rings : filter.ring)
+        for (FilterRing& ring : rings) {
+            ring.strength = static_cast<std::int8_t>(in.u8());
+            ring.reach = in.u8();
+            if (!in.cut_off() && (ring.strength == -128 || ring.reach == 0))
+                return bad_section("filter out of range");
+        }
+    return in.cut_off() || filter.is_on() ? Status() : bad_section("a filter that does nothing");
+}
+
+Status read_differences(CodeReader& in, CodingParameters& coding) {
     DifferenceModel model;
     for (std::uint8_t& parameter : model.parameter)
-        if ((parameter = static_cast<std::uint8_t>(get(1))) >= parameter_count_of_odds)
-            return damaged("difference model out of range");
-    const unsigned flags = get(1);
-    if (flags > 127)
-        return damaged("unknown flags");
-    coding.colour_rotation = (flags & 1) != 0;
-    coding.prediction = (flags & 2) != 0;
-    coding.dependent = (flags & 4) != 0;
-    coding.smooth_copies = (flags & 8) != 0;
-    if (coding.smooth_copies && !coding.prediction)
-        return damaged("smooth copies without predictions");
-    coding.base.on = (flags & 32) != 0;
-    coding.base.v_against_u = (flags & 64) != 0;
-    if (coding.base.on ? !coding.prediction : coding.base.v_against_u)
-        return damaged("base pictures without predictions, or a direction without base pictures");
-    if (coding.base.on) {
-        if (bytes.size() <= at)
-            return damaged("too short");
-        coding.base.margin = static_cast<std::uint8_t>(get(1));
-        if (coding.base.margin > max_base_margin)
-            return damaged("margin of base pictures out of range");
-    }
-    if ((flags & 16) != 0) {
-        if (bytes.size() < at + filter_bytes)
-            return damaged("too short");
-        for (auto& rings : coding.filter.ring)
-            for (FilterRing& ring : rings) {
-                ring.strength = static_cast<std::int8_t>(get(1));
-                ring.reach = static_cast<std::uint8_t>(get(1));
-                if (ring.strength == -128 || ring.reach == 0)
-                    return damaged("filter out of range");
-            }
-        if (!coding.filter.is_on())
-            return damaged("a filter that does nothing");
-    }
-
-    RansDecoder decoder(bytes.subspan(at));
+        if ((parameter = in.u8()) >= parameter_count_of_odds)
+            return bad_section("difference model out of range");
+    if (in.cut_off())
+        return bad_section("too short");
+    RansDecoder decoder(in.rest());
     bool changed = false;
     for (std::size_t i = 0; i < coding.parameters.size(); ++i) {
         if (!holds(coding, i))
@@ -201,11 +225,37 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
         const int value =
             default_parameters()[i] + (decoder.raw(1) != 0 ? -difference : difference);
         if (value < 0 || value >= parameter_count_of_odds)
-            return damaged("table parameter out of range");
+            return bad_section("table parameter out of range");
         coding.parameters[i] = static_cast<std::uint8_t>(value);
     }
-    if (!decoder.ended_well())
-        return damaged("tables do not end where they should");
+    return decoder.ended_well() ? Status() : bad_section("tables do not end where they should");
+}
+
+} // namespace
+
+Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes, int planes,
+                                                bool corrections) {
+    CodeReader in(bytes);
+    CodingParameters coding;
+    const unsigned flags = in.u16();
+    TESSERA_TRY(read_flags(flags, coding));
+    TESSERA_TRY(read_steps_and_offsets(in, planes, coding));
+    if ((flags & weights_flag) != 0)
+        for (std::uint8_t& weight : coding.scan_weights)
+            if ((weight = in.u8()) == 0 && !in.cut_off())
+                return bad_section("scan weight 0");
+    if (corrections)
+        coding.correction_error = in.u16();
+    if (coding.base.on && (coding.base.margin = in.u8()) > max_base_margin)
+        return bad_section("margin of base pictures out of range");
+    if ((flags & filter_flag) != 0)
+        TESSERA_TRY(read_filter(in, coding.filter));
+    if (in.cut_off())
+        return bad_section("too short");
+    if ((flags & differences_flag) != 0)
+        TESSERA_TRY(read_differences(in, coding));
+    else if (!in.rest().empty())
+        return bad_section("bytes after the last field");
     return coding;
 }
 

@@ -31,13 +31,18 @@ struct CodingParameters {
     Parameters parameters = default_parameters();
 };
 
-// The bytes of section CODE.
-std::vector<std::byte> write_coding_parameters(const CodingParameters& coding);
+// The bytes of section CODE of a file with 1..4 planes. It leaves out what such a file does not use:
+// the steps and offsets of other planes, the rotated step without colour_rotation, the correction
+// error without `corrections` (required feature 1), and parameters that have their defaults.
+std::vector<std::byte> write_coding_parameters(const CodingParameters& coding, int planes,
+                                               bool corrections);
 
-// The inverse. Errors: invalid_file, which names the field.
-Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes);
+// The inverse. What the section leaves out keeps its default. Errors: invalid_file, which names the
+// field.
+Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes, int planes,
+                                                bool corrections);
 
-// The parameters of a coarse level, with every step multiplied by 2^step_shift (FORMAT.md 1.4).
+// The parameters of a coarse level, with every step multiplied by 2^step_shift (FORMAT.md 1.5).
 // Errors: invalid_file if a step would be too large.
 Result<CodingParameters> with_coarser_steps(CodingParameters coding, unsigned step_shift);
 

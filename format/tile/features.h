@@ -1,5 +1,5 @@
 // The features that a decoder must support to read a file: bits of the header field
-// required_features (FORMAT.md 1.5).
+// required_features (FORMAT.md 1.6).
 #pragma once
 
 #include <cstdint>

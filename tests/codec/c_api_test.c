@@ -611,8 +611,8 @@ static int test_metadata_and_description(void) {
     tessera_description_init(&found);
     CHECK(tessera_get_description(decoder, &found) == 0);
     CHECK(memcmp(&found, &description, sizeof found) == 0);
-    CHECK(tessera_metadata_count(decoder) >= 3); /* two entries and Software */
-    CHECK(strncmp(tessera_metadata_value(decoder, "Software"), "Tessera ", 8) == 0);
+    CHECK(tessera_metadata_count(decoder) == 2); /* the file is too small for Software */
+    CHECK(tessera_metadata_value(decoder, "Software") == NULL);
     CHECK(strcmp(tessera_metadata_value(decoder, "Title"), "M\xC3\xBCnster") == 0);
     CHECK(tessera_metadata_value(decoder, "Nothing") == NULL);
     CHECK(tessera_metadata_at(decoder, 0, &key, &value, &bytes) == 0);

@@ -1,5 +1,6 @@
 // Tests that the GPU decodes the same texels as the CPU, bit for bit.
 #include "decoder_glsl/residency/gl_tile_decoder.h"
+#include "format/container/file_coding.h"
 #include "format/texture.h"
 #include "tests/support/decode_cases.h"
 #include "tests/support/gpu_fixture.h"
@@ -176,7 +177,7 @@ Mutants expect_mutants_alike(std::uint32_t seed, SampleType type, double copies)
         ADD_FAILURE() << tables.status().message();
         return {};
     }
-    const auto parameters = read_coding_parameters(reader->codec_parameters());
+    const auto parameters = coding_of(*reader);
     const TileCoding coding(*parameters, type, 3);
     const ColourCoding colour{reader->desc(), reader->header().colour, reader->header().background,
                               false, true};

@@ -125,8 +125,16 @@ TEST(ContainerWriter, HeaderFieldsSurvive) {
     EXPECT_TRUE(std::ranges::equal(reader->codec_parameters(), sample->code));
     EXPECT_TRUE(std::ranges::equal(reader->section_bytes("xtra"), c.extra[0].bytes));
     EXPECT_TRUE(reader->section_bytes("none").empty());
-    EXPECT_EQ(reader->sections().size(), 7u);
+    EXPECT_EQ(reader->sections().size(), 7u); // with geom, ROOT, INDX and DATA
     EXPECT_EQ(reader->sections()[0].type, "meta");
+}
+
+// A small file has no section that says nothing.
+TEST(ContainerWriter, SmallFilesHaveShortHeads) {
+    Sample sample({Bytes(5)});
+    EXPECT_EQ(sample.write().size(), header_bytes + section_entry_bytes + 40 + 10 + 5);
+    sample.contents.description.viewing_radius[1] = 1;
+    EXPECT_EQ(sample.write().size(), header_bytes + 2 * section_entry_bytes + 40 + 24 + 10 + 5);
 }
 
 TEST(ContainerWriter, SameContentsGiveSameBytes) {
@@ -134,7 +142,7 @@ TEST(ContainerWriter, SameContentsGiveSameBytes) {
     auto other = rich_sample();
     other->tiles[257][0] ^= std::byte{1};
     const Bytes a = rich_sample()->write(), b = other->write();
-    EXPECT_FALSE(std::equal(a.begin() + 112, a.begin() + 120, b.begin() + 112)) << "same identity";
+    EXPECT_FALSE(std::equal(a.begin() + 80, a.begin() + 88, b.begin() + 80)) << "same identity";
 }
 
 TEST(ContainerWriter, RefusesWhatReadersRefuse) {
@@ -154,6 +162,7 @@ TEST(ContainerWriter, RefusesWhatReadersRefuse) {
     EXPECT_TRUE(refused([](auto& c) { c.tile_extent = {32, 32, 32, 32}; }));
     EXPECT_TRUE(refused([](auto& c) { c.desc.size = {1u << 20, 1u << 13, 1, 1}; })) << "many tiles";
     EXPECT_TRUE(refused([](auto& c) { c.desc.channels = 5; }));
+    EXPECT_TRUE(refused([](auto& c) { c.description.sphere_radius = 1; })) << "no sphere";
     EXPECT_TRUE(refused([](auto& c) { c.required_features = 1; }));
     EXPECT_TRUE(refused([](auto& c) { c.background[3] = 1; }));
     EXPECT_TRUE(refused([](auto& c) { c.description.proxy = Proxy::none; })) << "mesh data";

@@ -15,7 +15,7 @@ namespace {
 
 using namespace tessera::test;
 
-// The rule of FORMAT.md 1.4, applied byte by byte.
+// The rule of FORMAT.md 1.5, applied byte by byte.
 std::vector<std::uint32_t> pages_word_for_word(const std::vector<std::uint32_t>& tiles,
                                                std::uint64_t target) {
     std::vector<std::uint32_t> pages;

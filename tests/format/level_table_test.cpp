@@ -59,13 +59,15 @@ TEST(LevelTable, RefusesLevelsThatAreNoCoarserCopies) {
     levels = some_levels(size);
     levels[2].spatial_lod = 21;
     refused(levels);
-    EXPECT_FALSE(read_levels(Bytes(25)).ok());
-    EXPECT_FALSE(read_levels({}).ok());
+    EXPECT_FALSE(read_levels(Bytes(9), 3, size).ok());
+    EXPECT_FALSE(read_levels({}, 2, size).ok());
+    EXPECT_TRUE(read_levels({}, 1, size).ok());
     Bytes section = write_levels(some_levels(size));
-    ASSERT_TRUE(read_levels(section).ok());
-    EXPECT_EQ(*read_levels(section), some_levels(size));
-    section[24 + 18] = std::byte{1};
-    EXPECT_FALSE(read_levels(section).ok());
+    EXPECT_EQ(section.size(), 8u);
+    ASSERT_TRUE(read_levels(section, 3, size).ok());
+    EXPECT_EQ(*read_levels(section, 3, size), some_levels(size));
+    section[4 + 2] = std::byte{1};
+    EXPECT_FALSE(read_levels(section, 3, size).ok());
 }
 
 } // namespace

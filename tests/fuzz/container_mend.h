@@ -1,5 +1,4 @@
-// For targets that open files: corrects the checksums of a damaged file and the fields that depend
-// on its header.
+// For targets that open files: corrects the checksums of a damaged file.
 #pragma once
 
 #include "format/container/index.h"
@@ -15,43 +14,23 @@
 
 namespace tessera::fuzz {
 
-// Makes the sizes of the texture and of the grid consistent with the alignment of the views. It
-// changes the texture, so that tiles stay valid, or the grid if that is too small for the
-// alignment.
-inline void mend_grid(FileHeader& header, const SectionEntry& entry, std::span<std::byte> file) {
-    if (!header.alignment.any() || entry.name() != "LEVL" || entry.length < level_entry_bytes)
-        return;
-    for (const auto& [axis, views, step] : {std::tuple(axis_u, axis_s, header.alignment.u),
-                                            std::tuple(axis_v, axis_t, header.alignment.v)}) {
-        std::byte* const stored = file.data() + entry.offset + 4 * axis;
-        const auto grid = load_le<std::uint32_t>(stored);
-        const std::uint32_t farthest =
-            static_cast<std::uint32_t>(std::abs(step)) * (header.desc.size[views] - 1);
-        if (farthest < grid)
-            header.desc.size[axis] = grid - farthest;
-        else
-            store_le(stored, header.desc.size[axis] + farthest);
-    }
-}
-
 inline void mend_head(Bytes& file) {
     if (file.size() < header_bytes)
         return;
-    FileHeader header = load_header(std::span(file).first<header_bytes>());
+    const FileHeader header = load_header(std::span(file).first<header_bytes>());
     const std::size_t table = std::size_t{header.section_count} * section_entry_bytes;
     if (file.size() - header_bytes < table)
         return;
+    std::uint64_t offset = header_bytes + table;
     for (std::size_t at = header_bytes; at < header_bytes + table; at += section_entry_bytes) {
         SectionEntry entry = load_section(std::span(file).subspan(at).first<section_entry_bytes>());
-        if (entry.crc == 0 || entry.offset > file.size() ||
-            entry.length > file.size() - entry.offset)
-            continue; // DATA and INDX have checksums of their own
-        mend_grid(header, entry, file);
-        entry.crc = crc32c(std::span(file).subspan(entry.offset, entry.length));
+        if (offset > file.size() || entry.length > file.size() - offset)
+            break;
+        entry.crc = crc32c(std::span(file).subspan(offset, entry.length));
         const auto stored = store_section(entry);
         std::copy(stored.begin(), stored.end(), file.begin() + static_cast<std::ptrdiff_t>(at));
+        offset += entry.length;
     }
-    std::ranges::copy(store_header(header), file.begin());
     test::seal_header(file);
 }
 
@@ -87,23 +66,28 @@ inline void mend_groups(Bytes& file) {
         return;
     const FileHeader header = reader->header();
     const LevelTable table = reader->level_table();
+    const SectionInfo &index = reader->sections().end()[-2], &data = reader->sections().back();
     const auto bytes = reader->section_bytes("ROOT");
     const Bytes root(bytes.begin(), bytes.end());
+    const auto start_of = [&](std::uint32_t group, std::size_t field, const SectionInfo& section) {
+        if (group == 0 || group == table.group_count())
+            return section.offset + (group == 0 ? 0 : section.length);
+        const std::byte* entry = root.data() + root_entry_bytes * (group - 1);
+        return section.offset +
+               (field == 0 ? load_le<std::uint64_t>(entry) : load_le<std::uint32_t>(entry + field));
+    };
     for (std::uint32_t group = 0; group < std::min(table.group_count(), 64u); ++group) {
-        const std::byte* entry = root.data() + std::size_t{12} * group;
-        const std::uint64_t begin =
-                                header.head_size + std::uint64_t{load_le<std::uint32_t>(entry + 8)},
-                            end = header.head_size +
-                                  std::uint64_t{load_le<std::uint32_t>(entry + 20)};
+        const std::uint64_t begin = start_of(group, 8, index), end = start_of(group + 1, 8, index);
         if (begin < end && end <= file.size())
             mend_record(file, std::span(file).subspan(begin, end - begin),
                         {header.identity, group, table.tiles_of(group).count,
-                         load_le<std::uint64_t>(entry), load_le<std::uint64_t>(entry + 12),
+                         start_of(group, 0, data), start_of(group + 1, 0, data),
                          header.page_bytes(), header.max_tile_bytes()});
     }
 }
 
-// Changes the alignment of a file's views, to -16..15 texels or to any value.
+// Changes the alignment of a file's views, to -16..15 texels or to any value. Where it can, it changes
+// the size of the texture, too, so that its grid keeps its size and the tiles stay valid.
 inline void align_views(std::span<std::byte> file, unsigned random) {
     if (file.size() < header_bytes)
         return;
@@ -111,8 +95,16 @@ inline void align_views(std::span<std::byte> file, unsigned random) {
     const auto step = [&](unsigned bits) {
         return static_cast<std::int8_t>(random % 2 ? bits & 255u : (bits & 31u) - 16u);
     };
+    const Extent4 grid = AlignedViews(header.desc.size, header.alignment).grid_size();
     header.alignment = {step(random >> 1), step(random >> 9)};
     header.required_features |= feature_aligned;
+    for (const auto& [axis, views, by] : {std::tuple(axis_u, axis_s, header.alignment.u),
+                                          std::tuple(axis_v, axis_t, header.alignment.v)}) {
+        const auto farthest =
+            static_cast<std::uint32_t>(std::abs(by)) * (header.desc.size[views] - 1);
+        if (farthest < grid[axis])
+            header.desc.size[axis] = grid[axis] - farthest;
+    }
     std::ranges::copy(store_header(header), file.begin());
 }
 

@@ -90,8 +90,8 @@ TEST(Reference, AlignedViews) {
                 test::MemoryTexture texture = test::moving_views({{41, 40, 3, 4}, type, 1}, 2, v);
                 const Bytes file = encode(texture, rate, {16, 12, 3, 4}, {}, test::copies_effort);
                 EXPECT_EQ(file[16] & std::byte{64}, std::byte{64}); // feature 6
-                EXPECT_EQ(file[78], std::byte{0xFE});
-                EXPECT_EQ(file[79], static_cast<std::byte>(-v));
+                EXPECT_EQ(file[70], std::byte{0xFE});
+                EXPECT_EQ(file[71], static_cast<std::byte>(-v));
                 expect_decodes(file, "moving by " + std::to_string(v));
             }
 }

@@ -39,62 +39,74 @@ Table make_table(std::span<const int> chain, int m) {
 
 } // namespace
 
-Code read_code(Bytes section) {
-    require(section.size() >= 24, "CODE: cut short");
-    Code code;
-    const auto read_step = [&](size_t at) {
-        const uint16_t value = u16(section, at);
+Code read_code(Bytes section, const Header& header) {
+    size_t at = 0;
+    const auto next_u8 = [&] {
+        require(at < section.size(), "CODE: cut short");
+        return u8(section, at++);
+    };
+    const auto next_u16 = [&] {
+        const int low = next_u8();
+        return low | next_u8() << 8;
+    };
+    const auto next_step = [&] {
+        const int value = next_u16();
         require(value >> 11 <= 20, "CODE: step");
         return Step{value & 2047, value >> 11};
     };
-    for (size_t p = 0; p < 4; ++p)
-        code.step[p] = read_step(2 * p);
-    code.rotated_step = read_step(8);
-    for (size_t i = 0; i < 4; ++i) {
-        const int offset = u8(section, 10 + i);
-        require(offset <= 31, "CODE: reconstruction offset");
-        code.offset[i / 2][i % 2] = offset;
-    }
-    for (size_t a = 0; a < 4; ++a) {
-        code.scan_weight[a] = u8(section, 14 + a);
-        require(code.scan_weight[a] >= 1, "CODE: scan weight");
-    }
-    code.correction_error = u16(section, 18);
-    uint32_t d[3];
-    for (size_t i = 0; i < 3; ++i) {
-        require(u8(section, 20 + i) <= 63, "CODE: difference model");
-        d[i] = frequency(u8(section, 20 + i));
-    }
-    const int flags = u8(section, 23);
-    require(flags <= 127, "CODE: flags");
+    Code code;
+    const int flags = next_u16();
+    require(flags <= 511, "CODE: flags");
     code.has_colour_symbols = flags & 1;
     code.has_predictions = flags >> 1 & 1;
     code.dependent = flags & 4;
     code.smooth_copies = flags & 8;
-    require(code.has_predictions || !code.smooth_copies, "CODE: flag 3 without flag 1");
-
-    size_t at = 24;
     code.v_against_u = flags & 64;
+    require(code.has_predictions || !code.smooth_copies, "CODE: flag 3 without flag 1");
+    require(code.has_predictions || !(flags & 32), "CODE: flag 5 without flag 1");
+    require((flags & 32) || !code.v_against_u, "CODE: flag 6 without flag 5");
+
+    for (int plane = 0; plane < header.channels; ++plane)
+        code.step[static_cast<size_t>(plane)] = next_step();
+    if (flags & 1)
+        code.rotated_step = next_step();
+    for (size_t i = 0; i < (header.channels > 1 ? 4u : 2u); ++i) {
+        code.offset[i / 2][i % 2] = next_u8();
+        require(code.offset[i / 2][i % 2] <= 31, "CODE: reconstruction offset");
+    }
+    if (flags & 128)
+        for (int& weight : code.scan_weight) {
+            weight = next_u8();
+            require(weight >= 1, "CODE: scan weight");
+        }
+    if (header.has_corrections())
+        code.correction_error = next_u16();
     if (flags & 32) {
-        require(section.size() > at, "CODE: cut short");
-        code.base_margin = u8(section, at++);
+        code.base_margin = next_u8();
         require(*code.base_margin <= 31, "CODE: margin");
     }
-    require(code.has_predictions || !code.base_margin, "CODE: flag 5 without flag 1");
-    require(code.base_margin || !code.v_against_u, "CODE: flag 6 without flag 5");
     if (flags & 16) {
-        require(section.size() >= at + 12, "CODE: cut short");
         code.filter.emplace();
         bool does_something = false;
         for (auto& rings : *code.filter)
             for (Ring& ring : rings) {
-                ring.strength = static_cast<int8_t>(u8(section, at++));
-                ring.reach = u8(section, at++);
+                ring.strength = static_cast<int8_t>(next_u8());
+                ring.reach = next_u8();
                 require(ring.strength != -128 && ring.reach != 0, "CODE: filter");
                 does_something = does_something || ring.strength != 0;
             }
         require(does_something, "CODE: a filter of strength 0");
     }
+    const bool has_differences = flags & 256;
+    uint32_t d[3] = {4096, 4096, 4096};
+    if (has_differences)
+        for (uint32_t& frequency_of_0 : d) {
+            const int p = next_u8();
+            require(p <= 63, "CODE: difference model");
+            frequency_of_0 = frequency(p);
+        }
+    else
+        require(at == section.size(), "CODE: bytes after the last field");
 
     // The differences from the default parameters.
     Stream stream(section.subspan(at));
@@ -108,7 +120,8 @@ Code read_code(Bytes section) {
         const bool of_copies = (i >= 1344 && i < 2688) || (i >= 3876 && i < 5064) ||
                                (i >= 5181 && i < 5298) || i >= 5766;
         const bool of_bases = i >= 5798;
-        if ((of_copies && !code.has_predictions) || (of_bases && !code.base_margin)) {
+        if (!has_differences || (of_copies && !code.has_predictions) ||
+            (of_bases && !code.base_margin)) {
             parameters.push_back(value);
             continue;
         }

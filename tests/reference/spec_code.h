@@ -1,6 +1,7 @@
 // Section CODE: steps, filter and tables (FORMAT.md 3.5).
 #pragma once
 
+#include "tests/reference/spec_container.h"
 #include "tests/reference/spec_entropy.h"
 
 #include <array>
@@ -20,8 +21,8 @@ struct Ring { // one ring of the filter
 struct Code {
     std::array<Step, 4> step;
     Step rotated_step;
-    int offset[2][2]; // [plane 0, others][magnitude 1, larger]
-    std::array<int, 4> scan_weight;
+    int offset[2][2] = {}; // [plane 0, others][magnitude 1, larger]
+    std::array<int, 4> scan_weight = {48, 60, 16, 14};
     int64_t correction_error = 0;
     bool has_colour_symbols = false;
     bool has_predictions = false;
@@ -46,6 +47,6 @@ struct Code {
     Table base_displacement;
 };
 
-Code read_code(Bytes section);
+Code read_code(Bytes section, const Header& header);
 
 } // namespace tessera_reference::spec

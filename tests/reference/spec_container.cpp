@@ -11,8 +11,8 @@ namespace tessera_reference::spec {
 
 namespace {
 
-constexpr size_t header_bytes = 128;
-constexpr size_t section_entry_bytes = 24;
+constexpr size_t header_bytes = 92;
+constexpr size_t section_entry_bytes = 12;
 
 } // namespace
 
@@ -20,81 +20,74 @@ Header read_header(Bytes file) {
     require(file.size() >= header_bytes, "header: cut short");
     const uint8_t identifier[12] = {0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', 13, 10, 0x1A, 10};
     require(std::memcmp(file.data(), identifier, 12) == 0, "header: identifier");
-    require(u16(file, 12) == 0 && u16(file, 14) == 3, "header: version");
+    require(u16(file, 12) == 0 && u16(file, 14) == 4, "header: version");
 
     Header h;
-    h.section_count = u16(file, 44);
-    require(h.section_count <= 64, "header: section_count"); // part 6, number 2: counts as cut off
+    h.section_count = static_cast<uint32_t>(u8(file, 36));
+    require(h.section_count <= 62, "header: section_count"); // part 6, number 2: counts as cut off
     const size_t table_end = header_bytes + h.section_count * section_entry_bytes;
     require(file.size() >= table_end, "section table: cut short");
-    uint32_t crc = crc32c(file.first(124));
+    uint32_t crc = crc32c(file.first(88));
     crc = crc32c(file.subspan(header_bytes, table_end - header_bytes), crc);
-    require(crc == u32(file, 124), "header: header_crc");
+    require(crc == u32(file, 88), "header: header_crc");
 
-    h.required_features = u64(file, 16);
-    for (int bit = 0; bit < 64; ++bit)
+    h.required_features = u32(file, 16);
+    for (int bit = 0; bit < 32; ++bit)
         if (h.required_features >> bit & 1 && bit != 0 && bit != 1 && bit != 4 && bit != 5 &&
-            bit != 6) // 1.5
+            bit != 6) // 1.6
             throw Refusal{"unknown required feature " + std::to_string(bit)};
     require(!(h.has_corrections() && h.has_predictions()), "header: bits 1 and 4 together");
-    require(h.section_count >= 5, "header: section_count");
-    h.file_size = u64(file, 32);
+    require(h.section_count >= 1, "header: section_count");
+    h.file_size = u64(file, 24);
     require(h.file_size == file.size(), "header: file_size");
-    h.head_size = u32(file, 40);
-    require(h.head_size <= 1u << 28, "header: head_size");
-    h.page_target = u16(file, 46);
+    h.index_size = u32(file, 32);
+    h.page_target = u16(file, 38);
     require(h.page_target <= 4096, "header: page_target");
 
     uint64_t texels = 1;
     for (size_t a = 0; a < 4; ++a) {
-        h.size[a] = u32(file, 48 + 4 * a);
+        h.size[a] = u32(file, 40 + 4 * a);
         require(h.size[a] >= 1 && h.size[a] <= 1u << 20, "header: size");
         require(texels <= (1ull << 48) / h.size[a], "header: size product");
         texels *= h.size[a];
     }
     uint32_t tile_texels = 1;
     for (size_t a = 0; a < 4; ++a) {
-        h.tile_extent[a] = u8(file, 64 + a);
+        h.tile_extent[a] = u8(file, 56 + a);
         require(h.tile_extent[a] >= 1 && h.tile_extent[a] <= (a < 2 ? 64 : 32),
                 "header: tile_extent");
         tile_texels *= h.tile_extent[a];
     }
     require(tile_texels <= (h.has_corrections() ? 65536 : 393216), "header: tile_extent product");
 
-    h.sample_type = u8(file, 68);
+    h.sample_type = u8(file, 60);
     require(h.sample_type <= 1, "header: sample_type");
-    h.channels = u8(file, 69);
+    h.channels = u8(file, 61);
     require(h.channels >= 1 && h.channels <= 4, "header: channels");
-    h.colour = u8(file, 70);
+    h.colour = u8(file, 62);
     require(h.colour == 0 || (h.colour == 1 && h.channels >= 3), "header: colour");
-    const int alpha = u8(file, 71);
+    const int alpha = u8(file, 63);
     require(alpha == 0 || (alpha <= 2 && h.channels % 2 == 0), "header: alpha");
-    const int proxy = u8(file, 72);
-    // Bytes 73..76 and unknown values of proxy do not affect the texels.
-    h.level_count = u8(file, 77);
+    h.proxy = u8(file, 64);
+    // Bytes 65..68 and unknown values of proxy do not affect the texels.
+    h.level_count = static_cast<uint32_t>(u8(file, 37));
     require(h.level_count >= 1 && h.level_count <= 64, "header: level_count");
     require((h.level_count > 1) == h.has_levels(), "header: level_count and feature 0");
-    require(u32(file, 120) == 0, "header: reserved");
+    require(u8(file, 69) == 0, "header: reserved");
     h.grid = h.size;
     for (size_t a = 0; a < 2; ++a) {
-        h.alignment[a] = u8(file, 78 + a) < 128 ? u8(file, 78 + a) : u8(file, 78 + a) - 256;
+        h.alignment[a] = u8(file, 70 + a) < 128 ? u8(file, 70 + a) : u8(file, 70 + a) - 256;
         h.grid[a] += static_cast<uint32_t>(std::abs(h.alignment[a])) * (h.size[2 + a] - 1);
         require(h.grid[a] <= 1u << 20, "header: alignment");
     }
     require(h.is_aligned() == (h.alignment[0] != 0 || h.alignment[1] != 0),
             "header: alignment and feature 6");
-    require(!h.is_aligned() || (h.level_count == 1 && proxy == 0), "header: aligned views");
+    require(!h.is_aligned() || (h.level_count == 1 && h.proxy == 0), "header: aligned views");
     require(uint64_t{h.grid[0]} * h.grid[1] <= (1ull << 48) / h.size[2] / h.size[3],
             "header: alignment, product");
 
-    for (size_t at = 80; at < 104; at += 4)
-        require(std::isfinite(f32(file, at)), "header: not finite");
-    const float radius = f32(file, 92);
-    require(proxy == 1 || proxy == 3 ? radius > 0 : radius == 0, "header: sphere_radius");
-    require(f32(file, 96) >= 0 && f32(file, 96) <= f32(file, 100), "header: viewing_radius");
-
     for (size_t c = 0; c < 4; ++c) {
-        const uint16_t sample = u16(file, 104 + 2 * c);
+        const uint16_t sample = u16(file, 72 + 2 * c);
         h.background[c] = sample;
         if (c >= static_cast<size_t>(h.channels))
             require(sample == 0, "header: background of an unused channel");
@@ -103,12 +96,18 @@ Header read_header(Bytes file) {
         else
             require((sample & 0x7FFF) < 0x7C00, "header: background");
     }
-    h.identity = u64(file, 112);
+    h.identity = u64(file, 80);
     return h;
 }
 
-std::map<std::string, Section> read_section_table(Bytes file, const Header& header) {
+std::map<std::string, Section> read_sections(Bytes file, const Header& header) {
     std::map<std::string, Section> sections;
+    const auto add = [&](const std::string& type, uint64_t offset, uint64_t length) {
+        require(length <= file.size() - offset, "section table: length");
+        require(!sections.contains(type), "section table: a type stands twice");
+        sections[type] = {offset, file.subspan(offset, length)};
+        return offset + length;
+    };
     uint64_t end = header_bytes + header.section_count * section_entry_bytes;
     for (uint32_t i = 0; i < header.section_count; ++i) {
         const Bytes entry = file.subspan(header_bytes + i * section_entry_bytes);
@@ -118,34 +117,37 @@ std::map<std::string, Section> read_section_table(Bytes file, const Header& head
             require((c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'), "section table: type");
             type += c;
         }
-        const bool known =
-            type == "CODE" || type == "LEVL" || type == "ROOT" || type == "INDX" || type == "DATA";
+        const bool known = type == "CODE" || type == "LEVL" || type == "ROOT";
         if (type[0] <= 'Z' && !known)
             throw Refusal{"unknown required section " + type};
-        require(!sections.contains(type), "section table: a type stands twice");
-
-        const uint64_t offset = u64(entry, 8), length = u64(entry, 16);
-        require(offset == end, "section table: offset");
-        require(length <= file.size() - offset, "section table: length");
-        end = offset + length;
-        const Bytes bytes = file.subspan(offset, length);
-        if (type == "INDX" || type == "DATA")
-            require(u32(entry, 4) == 0, "section table: crc of INDX or DATA");
-        else
-            require(u32(entry, 4) == crc32c(bytes), "section crc");
-
-        if (type == "INDX") {
-            require(i == header.section_count - 2, "section table: INDX is not last but one");
-            require(offset == header.head_size, "section table: head_size");
-        }
-        if (type == "DATA")
-            require(i == header.section_count - 1, "section table: DATA is not last");
-        sections[type] = {offset, bytes};
+        end = add(type, end, u32(entry, 8));
+        require(u32(entry, 4) == crc32c(sections.at(type).bytes), "section crc");
     }
-    require(end == header.file_size, "section table: the last section must end the file");
-    for (const char* needed : {"CODE", "LEVL", "ROOT", "INDX", "DATA"})
-        require(sections.contains(needed), "section table: a needed section is missing");
+    require(end <= 1u << 28, "section table: the head is too long");
+    end = add("INDX", end, header.index_size);
+    add("DATA", end, file.size() - end);
+    require(sections.contains("CODE"), "section table: CODE is missing");
+    require(sections.contains("LEVL") == (header.level_count > 1), "section table: LEVL");
     return sections;
+}
+
+void check_geometry(const std::map<std::string, Section>& sections, const Header& header) {
+    const bool is_sphere = header.proxy == 1 || header.proxy == 3;
+    if (!sections.contains("geom")) {
+        require(!is_sphere, "geom: missing");
+        return;
+    }
+    const Bytes section = sections.at("geom").bytes;
+    require(section.size() == 24, "geom: length");
+    bool any = false;
+    for (size_t at = 0; at < 24; at += 4) {
+        require(std::isfinite(f32(section, at)), "geom: not finite");
+        any = any || f32(section, at) != 0;
+    }
+    require(any, "geom: all numbers are 0");
+    const float radius = f32(section, 12);
+    require(is_sphere ? radius > 0 : radius == 0, "geom: sphere_radius");
+    require(f32(section, 16) >= 0 && f32(section, 16) <= f32(section, 20), "geom: viewing_radius");
 }
 
 namespace {

@@ -1,4 +1,4 @@
-// Header, section table and metadata of a file (FORMAT.md 1.1 to 1.3).
+// Header, sections, metadata and geometry of a file (FORMAT.md 1.1 to 1.4).
 #pragma once
 
 #include "tests/reference/spec_notation.h"
@@ -12,7 +12,7 @@ namespace tessera_reference::spec {
 struct Header {
     uint64_t required_features = 0;
     uint64_t file_size = 0;
-    uint32_t head_size = 0;
+    uint32_t index_size = 0;
     uint32_t section_count = 0;
     uint32_t page_target = 0;
     std::array<uint32_t, 4> size{};
@@ -22,6 +22,7 @@ struct Header {
     int sample_type = 0;
     int channels = 0;
     int colour = 0;
+    int proxy = 0;
     uint32_t level_count = 0;
     std::array<uint16_t, 4> background{};
     uint64_t identity = 0;
@@ -41,7 +42,11 @@ struct Section {
     Bytes bytes;
 };
 
-std::map<std::string, Section> read_section_table(Bytes file, const Header& header);
+// All sections, also INDX and DATA.
+std::map<std::string, Section> read_sections(Bytes file, const Header& header);
+
+// Checks section geom, which does not affect the texels.
+void check_geometry(const std::map<std::string, Section>& sections, const Header& header);
 
 std::map<std::string, std::string> read_metadata(Bytes section);
 

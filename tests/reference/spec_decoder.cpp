@@ -16,7 +16,7 @@ int tile_begin(uint64_t i, uint64_t D, uint64_t n) {
     return static_cast<int>(i * D / n);
 }
 
-// The coding parameters with the steps of a level (1.4).
+// The coding parameters with the steps of a level (1.5).
 Code code_of_level(Code code, const Level& level) {
     const auto shift = [&level](Step& step) {
         step.e += level.step_shift;
@@ -96,12 +96,13 @@ std::vector<std::byte> without_alignment(const Header& h, const std::vector<std:
 
 Decoded decode_file(Bytes file) {
     const Header header = read_header(file);
-    const auto sections = read_section_table(file, header);
+    const auto sections = read_sections(file, header);
     Decoded result;
     if (sections.contains("meta"))
         result.metadata = read_metadata(sections.at("meta").bytes);
-    const std::vector<Level> levels = read_levels(sections.at("LEVL").bytes, header);
-    const Code code = read_code(sections.at("CODE").bytes);
+    check_geometry(sections, header);
+    const std::vector<Level> levels = read_levels(sections, header);
+    const Code code = read_code(sections.at("CODE").bytes, header);
     require(code.has_predictions == header.has_predictions(), "CODE: flag 1 and feature 4");
     const std::vector<Bytes> tiles = read_tiles(file, header, sections, levels);
 

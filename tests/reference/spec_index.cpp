@@ -7,30 +7,30 @@
 
 namespace tessera_reference::spec {
 
-std::vector<Level> read_levels(Bytes section, const Header& header) {
-    require(section.size() == 24 * header.level_count, "LEVL: length");
+std::vector<Level> read_levels(const std::map<std::string, Section>& sections,
+                               const Header& header) {
+    const Bytes section = header.level_count > 1 ? sections.at("LEVL").bytes : Bytes();
+    require(section.size() == 4 * (header.level_count - 1), "LEVL: length");
     std::vector<Level> levels;
     int spatial = 0, angular = 0;
     uint64_t tiles = 0;
     for (size_t i = 0; i < header.level_count; ++i) {
-        const Bytes entry = section.subspan(24 * i, 24);
-        const int spatial_lod = u8(entry, 16), angular_lod = u8(entry, 17);
-        require(u8(entry, 18) == 0 && u32(entry, 20) == 0, "LEVL: quality_layer, reserved");
         Level level;
-        level.step_shift = u8(entry, 19);
-        if (i == 0)
-            require(u64(entry, 16) == 0, "LEVL: entry 0 has zeros");
-        else
+        if (i > 0) {
+            const Bytes entry = section.subspan(4 * (i - 1), 4);
+            const int spatial_lod = u8(entry, 0), angular_lod = u8(entry, 1);
+            require(u8(entry, 2) == 0, "LEVL: quality_layer");
+            level.step_shift = u8(entry, 3);
             require(spatial_lod >= spatial && angular_lod >= angular &&
                         (spatial_lod > spatial || angular_lod > angular) && spatial_lod <= 20 &&
                         angular_lod <= 20 && level.step_shift <= 15,
                     "LEVL: lods and step_shift");
-        spatial = spatial_lod;
-        angular = angular_lod;
+            spatial = spatial_lod;
+            angular = angular_lod;
+        }
         for (size_t a = 0; a < 4; ++a) {
             const uint64_t joined = 1ull << (a < 2 ? spatial : angular);
-            level.size[a] = u32(entry, 4 * a);
-            require(level.size[a] == (header.grid[a] + joined - 1) / joined, "LEVL: size");
+            level.size[a] = static_cast<uint32_t>((header.grid[a] + joined - 1) / joined);
             level.n[a] = (level.size[a] + header.tile_extent[a] - 1) / header.tile_extent[a];
             level.tiles *= level.n[a]; // at most 2^48, like the number of texels
         }
@@ -132,7 +132,6 @@ std::vector<uint64_t> page_sizes(const std::vector<uint64_t>& lengths, uint32_t 
 std::vector<Bytes> read_tiles(Bytes file, const Header& header,
                               const std::map<std::string, Section>& sections,
                               const std::vector<Level>& levels) {
-    const Bytes root = sections.at("ROOT").bytes;
     const Section& index = sections.at("INDX");
     const Section& data = sections.at("DATA");
     const auto group_tiles = make_groups(levels);
@@ -141,17 +140,23 @@ std::vector<Bytes> read_tiles(Bytes file, const Header& header,
     for (const uint32_t extent : header.tile_extent)
         longest *= extent;
     longest += 1u << 18;
-    require(root.size() == 12 * (groups + 1), "ROOT: length");
-    require(u64(root, 0) == data.offset && u32(root, 8) == 0, "ROOT: entry 0");
-    require(u64(root, 12 * groups) == data.offset + data.bytes.size(), "ROOT: end of DATA");
-    require(u32(root, 12 * groups + 8) == index.bytes.size(), "ROOT: end of INDX");
+    require(sections.contains("ROOT") == (groups > 1), "ROOT: present with several groups");
+    const Bytes root = groups > 1 ? sections.at("ROOT").bytes : Bytes();
+    require(root.size() == 12 * (groups - 1), "ROOT: length");
+    // Where the bytes and the record of group g start.
+    const auto data_start = [&](uint64_t g) {
+        return g == 0 ? 0 : g == groups ? data.bytes.size() : u64(root, 12 * (g - 1));
+    };
+    const auto record_start = [&](uint64_t g) {
+        return g == 0 ? 0 : g == groups ? index.bytes.size() : u32(root, 12 * (g - 1) + 8);
+    };
 
     std::vector<Bytes> tiles(levels.back().first_tile + levels.back().tiles);
     for (uint64_t g = 0; g < groups; ++g) {
-        const uint64_t begin = u64(root, 12 * g), end = u64(root, 12 * g + 12);
-        const uint32_t record_begin = u32(root, 12 * g + 8);
-        const uint32_t record_end = u32(root, 12 * g + 20);
-        require(begin <= end && end <= data.offset + data.bytes.size(), "ROOT: data offsets");
+        require(data_start(g) <= data_start(g + 1) && data_start(g + 1) <= data.bytes.size(),
+                "ROOT: data offsets");
+        const uint64_t begin = data.offset + data_start(g), end = data.offset + data_start(g + 1);
+        const uint64_t record_begin = record_start(g), record_end = record_start(g + 1);
         require(record_begin < record_end && record_end <= index.bytes.size(),
                 "ROOT: record offsets");
         const Bytes record = index.bytes.subspan(record_begin, record_end - record_begin);

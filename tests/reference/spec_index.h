@@ -1,4 +1,4 @@
-// Levels, tiles, groups and pages (FORMAT.md 1.4).
+// Levels, tiles, groups and pages (FORMAT.md 1.5).
 #pragma once
 
 #include "tests/reference/spec_container.h"
@@ -17,7 +17,8 @@ struct Level {
     int step_shift = 0;
 };
 
-std::vector<Level> read_levels(Bytes section, const Header& header);
+std::vector<Level> read_levels(const std::map<std::string, Section>& sections,
+                               const Header& header);
 
 // Returns the payload of every tile by its number and verifies all checksums.
 std::vector<Bytes> read_tiles(Bytes file, const Header& header,

@@ -4,6 +4,7 @@
 #include "codec/decoder.h"
 #include "codec/fit/table_fit.h"
 #include "codec/reconstruct/tile_decoder.h"
+#include "format/container/file_coding.h"
 #include "format/io/crc32c.h"
 
 #include <algorithm>
@@ -43,7 +44,7 @@ Result<Statistics> statistics_of(const char* path) {
     const Result<ContainerReader> file = ContainerReader::open(**source);
     if (!file)
         return file.status();
-    const Result<CodingParameters> parameters = read_coding_parameters(file->codec_parameters());
+    const Result<CodingParameters> parameters = coding_of(*file);
     if (!parameters)
         return parameters.status();
     const TextureDesc desc = file->desc();

@@ -130,7 +130,7 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
                                      : RandomTile(random, coding, options).make(shape),
                           {}, coding, tiles[i]);
         }
-    const auto section = write_coding_parameters(parameters);
+    const auto section = write_coding_parameters(parameters, channels, false);
     ContainerContents contents;
     contents.desc = desc;
     contents.tile_extent = tile_extent;

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "codec/encoder.h"
-#include "format/container_reader.h"
-#include "format/tile/coding_parameters.h"
+#include "format/container/file_coding.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
 
@@ -28,7 +27,7 @@ template <class Options> EncodedFile encode_file_of(MemoryTexture& source, const
     const auto bytes = wrap_memory(encoded.file);
     const auto reader = ContainerReader::open(*bytes);
     EXPECT_TRUE(reader.ok());
-    const auto coding = read_coding_parameters(reader->codec_parameters());
+    const auto coding = coding_of(*reader);
     EXPECT_TRUE(coding.ok());
     encoded.parameters = *coding;
     return encoded;

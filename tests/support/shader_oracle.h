@@ -3,6 +3,7 @@
 #pragma once
 
 #include "codec/reconstruct/tile_decoder.h"
+#include "format/container/file_coding.h"
 #include "tests/support/shader_machine.h"
 #include "tests/support/vector_sink.h"
 
@@ -22,7 +23,7 @@ constexpr std::uint64_t shader_round_limit = 16384;
 // A file whose tiles are all background. Only its header and parameters matter here.
 inline std::vector<std::byte> empty_file(const TextureDesc& desc, const Extent4& tile_extent,
                                          const CodingParameters& parameters, bool corrections) {
-    const auto section = write_coding_parameters(parameters);
+    const auto section = write_coding_parameters(parameters, desc.channels, corrections);
     ContainerContents contents;
     contents.desc = desc;
     contents.tile_extent = tile_extent;
@@ -52,8 +53,7 @@ public:
         : file_(std::move(file)), source_(wrap_memory(file_)),
           reader_(std::move(*ContainerReader::open(*source_))),
           tables_(std::move(*DecodeTables::make(reader_))),
-          coding_(*read_coding_parameters(reader_.codec_parameters()), reader_.desc().type,
-                  reader_.desc().channels),
+          coding_(*coding_of(reader_), reader_.desc().type, reader_.desc().channels),
           colour_{reader_.desc(), reader_.header().colour, reader_.header().background,
                   (reader_.header().required_features & feature_corrections) != 0,
                   (reader_.header().required_features & feature_stored) != 0},

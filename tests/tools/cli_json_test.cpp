@@ -76,15 +76,17 @@ TEST_F(CliJson, BakeAndDecodeSayWhatTheyWrote) {
 }
 
 TEST_F(CliJson, AFileSaysHowItWasMade) {
-    succeed(json_scene + "--effort 0 -q -o x.tess --target-psnr 33.123456789");
+    // Smaller files do not say it.
+    succeed("bake composed --size 32x32x9x5 --spp 1 --effort 0 -q -o x.tess "
+            "--target-psnr 53.123456789");
     const Json info = json("info x.tess --json");
-    EXPECT_EQ(info["metadata"]["tessera:rate"], "psnr 33.123456789");
+    EXPECT_EQ(info["metadata"]["tessera:rate"], "psnr 53.123456789");
     EXPECT_EQ(info["metadata"]["tessera:effort"], "0");
     const std::string version = run("version").out; // "tessera 0.1.0, file format ..."
     const std::string number = version.substr(8, version.find(',') - 8);
     EXPECT_EQ(info["metadata"]["Software"], "Tessera " + number);
     const std::string text = run("info x.tess").out;
-    EXPECT_NE(text.find("Tessera " + number + ", --target-psnr 33.12 --effort 0\n"),
+    EXPECT_NE(text.find("Tessera " + number + ", --target-psnr 53.12 --effort 0\n"),
               std::string::npos)
         << text;
     EXPECT_EQ(text.find("tessera:"), std::string::npos) << text;
@@ -93,13 +95,13 @@ TEST_F(CliJson, AFileSaysHowItWasMade) {
     for (std::string line; std::getline(lines, line);)
         if (line.find("bits_per_texel") == 0)
             EXPECT_LE(line.substr(line.find_last_of(' ') + 1).size(), 7u) << line;
-    EXPECT_NE(text.find("4608 (4.6 kB)"), std::string::npos) << text;
+    EXPECT_NE(text.find("138240 (138.2 kB)"), std::string::npos) << text;
     EXPECT_DOUBLE_EQ(info["bits_per_texel"].get<double>(),
-                     static_cast<double>(fs::file_size(at("x.tess"))) * 8 / 1536);
+                     static_cast<double>(fs::file_size(at("x.tess"))) * 8 / (32 * 32 * 9 * 5));
     // Encoding again replaces the recorded options.
-    succeed("encode x.tess -q -o y.tess --quality 50 --effort 1");
+    succeed("encode x.tess -q -o y.tess --quality 90 --effort 1");
     const Json again = json("info y.tess --json")["metadata"];
-    EXPECT_EQ(again["tessera:rate"], "quality 50");
+    EXPECT_EQ(again["tessera:rate"], "quality 90");
     EXPECT_EQ(again["tessera:effort"], "1");
     EXPECT_EQ(again["Scene"], "composed");
     EXPECT_FALSE(again.contains("tessera:tools"));

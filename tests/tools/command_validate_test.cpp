@@ -19,7 +19,7 @@ protected:
     void write_empty(const std::string& name, const tessera::Extent4& size,
                      const tessera::Metadata& metadata = {},
                      std::span<const std::byte> mesh = {}) const {
-        const auto code = tessera::write_coding_parameters({});
+        const auto code = tessera::write_coding_parameters({}, 3, false);
         ContainerContents contents;
         contents.desc.size = size;
         contents.tile_extent = {64, 64, 4, 4};
@@ -88,7 +88,7 @@ TEST_F(ValidateVerb, LongHeadsAreRefusedWhereMemoryIsShort) {
 
 // Tiles that do not decode are detected in any order of groups.
 TEST_F(ValidateVerb, TilesThatDoNotDecodeAreNamed) {
-    const auto code = tessera::write_coding_parameters({});
+    const auto code = tessera::write_coding_parameters({}, 3, false);
     const std::vector<std::byte> noise(9, std::byte{0xA5});
     ContainerContents contents;
     contents.desc.size = {300, 1, 1, 1};
