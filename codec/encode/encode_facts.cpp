@@ -122,13 +122,17 @@ Metadata given_metadata(const EncodePlan& plan) {
 Metadata recorded_metadata(const EncodePlan& plan) {
     const EncodeOptions& options = plan.options;
     Metadata metadata = given_metadata(plan);
-    metadata.try_emplace(software_key, std::string("Tessera ") + library_version);
+    const std::string software = std::string("Tessera ") + library_version;
     if (options.reuse != nullptr) { // its tiles decide the quantiser
-        for (const auto& entry : options.reuse->container().metadata())
+        const Metadata& reused = options.reuse->container().metadata();
+        if (reused.contains(software_key)) // otherwise it is a small file, and so will be this one
+            metadata.try_emplace(software_key, software);
+        for (const auto& entry : reused)
             if (entry.first.starts_with(made_prefix))
                 metadata.insert(entry);
         return metadata;
     }
+    metadata.try_emplace(software_key, software);
     metadata[made_rate_key] = rate_text(options.rate);
     metadata[made_effort_key] = std::to_string(options.effort);
     if (std::string tools = tools_text(plan.tools); !tools.empty())

@@ -17,8 +17,9 @@ JournalFacts facts_of(const EncodePlan& plan, const Sample& sample);
 // options.metadata without the keys that belong to the encoder.
 Metadata given_metadata(const EncodePlan& plan);
 
-// The same with "Software" if it is absent, and how the file was encoded under the keys of FORMAT.md
-// 5.5. Equal options give equal metadata: no time, path or number of threads.
+// The same with "Software" if it is absent (unless a file is reused that lacks it), and how the file
+// was encoded under the keys of FORMAT.md 5.5. Equal options give equal metadata: no time, path or
+// number of threads.
 Metadata recorded_metadata(const EncodePlan& plan);
 
 } // namespace tessera

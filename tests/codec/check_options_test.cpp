@@ -69,7 +69,7 @@ TEST(CheckOptions, RefuseSizesBelowTheSmallestFile) {
     double least = 1;
     while (rate_objection({Kind::bytes, least}) != "")
         ++least;
-    EXPECT_GT(least, 200);
+    EXPECT_GT(least, 100);
     EXPECT_LE(least, static_cast<double>(file.size()));
     EXPECT_TRUE(contains(rate_objection({Kind::bytes, least - 1}),
                          ("smaller than " + std::to_string(static_cast<int>(least))).c_str()));
