@@ -134,6 +134,7 @@ public:
     // Whether the source ends before the file does, which only allow_partial accepts.
     bool is_partial() const;
     std::uint64_t source_bytes() const;
+    // In the order of the file. The last two are INDX and DATA, which are not in the section table.
     std::span<const SectionInfo> sections() const;
     std::string name() const; // of the source
 

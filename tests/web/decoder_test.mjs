@@ -224,8 +224,9 @@ const tests = {
                      SAMPLE_TYPE.half16);
         const plain = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb8.tess'))).info;
         assert.deepEqual(plain.metadata, {Software: 'golden', Title: 'rgb8.tess'});
-        const packed = codec.openBytes(fs.readFileSync(path.join(goldenFolder, 'rgb8_views.tess'))).info;
-        assert.equal(packed.metadata, null);
+        const longText = path.join(scratch, 'long_text.tess'); // its metadata is packed
+        run('encode', layered, '-o', longText, '-q', '--effort', '0', '--meta', `Comment=${'long '.repeat(100)}`);
+        assert.equal(codec.openBytes(fs.readFileSync(longText)).info.metadata, null);
         const surface = codec.openBytes(fs.readFileSync(mesh));
         assert.deepEqual([surface.info.proxy, surface.info.surfaceMap], [PROXY.mesh, SURFACE_MAP.meshUv]);
         assert.equal(Buffer.from(surface.meshBytes().subarray(0, 5)).toString(), 'DRACO');
