@@ -95,7 +95,7 @@ struct EncodeOptions {
     bool strict = false;
 
     // Layout of the file.
-    // Largest tile: 1 to 64 along u and v, 1 to 32 along s and t.
+    // Largest tile: 1 to 256 along u and v, 1 to 32 along s and t.
     Extent4 tile_extent = tile_by_trial;
     // Stores coarse levels first (at most 3 % more bytes), so that any beginning of the file shows
     // the whole texture.

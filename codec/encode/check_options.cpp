@@ -35,7 +35,7 @@ Status check_tile(const EncodeOptions& options) {
     for (std::size_t axis = 0; axis < 4; ++axis) {
         const std::uint32_t side = options.tile_extent[axis];
         if (side < 1 || side > static_cast<std::uint32_t>(max_side_along(axis)))
-            return refused("tile sides must be 1 to 64 along u and v, 1 to 32 along s and t");
+            return refused("tile sides must be 1 to 256 along u and v, 1 to 32 along s and t");
     }
     const bool corrects = options.rate.kind == RateTarget::Kind::max_error;
     const int most_texels = max_texels_of_tile(corrects);

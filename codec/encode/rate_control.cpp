@@ -88,7 +88,8 @@ private:
             const CodingParameters with_default_tables = parameters;
             Result<PassResult> pass = run_pass(plan_, parameters, sample_);
             if (pass && plan_.effort.fit_tables) {
-                parameters.parameters = fit_parameters(pass->totals.statistics);
+                parameters.parameters =
+                    fit_parameters(pass->totals.statistics, parameters.defaults);
                 pass = run_pass(plan_, parameters, sample_);
             }
             TESSERA_TRY(pass);

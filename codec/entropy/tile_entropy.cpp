@@ -29,6 +29,10 @@ struct StatisticsVisitor {
         statistics.chain(displacement_kind_offset + direction * (displacement_kinds - 1),
                          displacement_kinds - 1, displacement_kinds, kind);
     }
+    void mode(int context, int symbol) {
+        statistics.chain(mode_offset + context * (mode_symbols - 1), mode_symbols - 1, mode_symbols,
+                         symbol);
+    }
     void base(bool has_base) { statistics.decide(base_offset, has_base); }
     void from_base(bool before, bool copies) {
         statistics.decide(from_base_offset + before, copies);
@@ -46,9 +50,13 @@ struct StatisticsVisitor {
         statistics.chain(magnitude_offset + table * magnitude_chain, magnitude_chain,
                          magnitude_tokens, token);
     }
-    void colour(bool rotated, int kind) {
-        statistics.chain(colour_offset + rotated * (colour_kinds - 1), colour_kinds - 1,
+    void colour(int context, int kind) {
+        statistics.chain(colour_offset + context * (colour_kinds - 1), colour_kinds - 1,
                          colour_kinds, kind);
+    }
+    void share(int plane, int token) {
+        statistics.chain(share_offset + plane * (share_tokens - 1), share_tokens - 1, share_tokens,
+                         token);
     }
     void raw(std::uint32_t, int) {}
 };
@@ -72,6 +80,9 @@ struct CodingVisitor {
     void displacement_kind(int direction, int kind) {
         tables.displacement_kind[static_cast<std::size_t>(direction)].encode(coder, kind);
     }
+    void mode(int context, int symbol) {
+        tables.mode[static_cast<std::size_t>(context)].encode(coder, symbol);
+    }
     void base(bool has_base) { tables.base.encode(coder, has_base); }
     void from_base(bool before, bool copies) { tables.from_base[before].encode(coder, copies); }
     void base_displacement(int token) { tables.base_displacement.encode(coder, token); }
@@ -84,7 +95,12 @@ struct CodingVisitor {
     void magnitude(int table, int token) {
         tables.magnitude[static_cast<std::size_t>(table)].encode(coder, token);
     }
-    void colour(bool rotated, int kind) { tables.colour[rotated].encode(coder, kind); }
+    void colour(int context, int kind) {
+        tables.colour[static_cast<std::size_t>(context)].encode(coder, kind);
+    }
+    void share(int plane, int token) {
+        tables.share[static_cast<std::size_t>(plane)].encode(coder, token);
+    }
     void raw(std::uint32_t value, int bits) { coder.raw(value, bits); }
 };
 

@@ -55,9 +55,10 @@ private:
             ++work_;
             out_.splits.push_back(static_cast<std::uint8_t>(split));
         };
+        ModeMemory modes;
         const auto base_leaf = [&](const Block& block) {
             out_.blocks.push_back(block);
-            out_.predictions.emplace_back();
+            out_.predictions.push_back(decode_border_mode(rans_, coding_.tables, block, modes));
             return out_.blocks.size() <= max_leaves;
         };
         const auto base = base_shape(out_.shape, coding_.parameters.base);
@@ -71,6 +72,10 @@ private:
             out_.blocks.push_back(block);
             if (out_.blocks.size() > max_leaves)
                 return false;
+            if (coding_.predicts && is_picture(out_.shape)) {
+                out_.predictions.push_back(decode_border_mode(rans_, coding_.tables, block, modes));
+                return true;
+            }
             return !coding_.predicts ||
                    decode_prediction(rans_, coding_.tables,
                                      has_base ? &coding_.parameters.base : nullptr, block, memory,
@@ -82,7 +87,7 @@ private:
 
     // False if copies depend on copies more than max_copy_depth deep.
     bool order_copies() {
-        if (!copies_anything(out_.predictions) && out_.base_blocks == 0) {
+        if (!predicts_anything(out_.predictions) && out_.base_blocks == 0) {
             out_.forget_copies();
             return true;
         }
@@ -128,18 +133,27 @@ private:
     }
 
     bool decode_colour(int first_length) {
-        int colour = 0;
+        BlockColour colour;
         if (first_length > 0 && coding_.rotates) {
-            const int kind = coding_.tables.colour[last_colour_.rotated].decode(rans_);
+            const int kind =
+                coding_.tables.colour[static_cast<std::size_t>(last_colour_.context)].decode(rans_);
             if (kind == 1)
-                colour = last_colour_.last_rotation;
+                colour = last_colour_.last;
             else if (kind == 2)
-                colour = 1 + static_cast<int>(rans_.raw(rotation_index_bits));
-            if (colour > rotation_count)
+                colour.rotation = static_cast<std::uint8_t>(1 + rans_.raw(rotation_index_bits));
+            else if (kind == 3)
+                for (std::size_t c = 0; c < 2; ++c) {
+                    const int share =
+                        last_colour_.share[c] + decode_difference(rans_, coding_.tables.share[c]);
+                    if (std::abs(share) > most_share)
+                        return false;
+                    colour.share[c] = static_cast<std::int8_t>(share);
+                }
+            if (colour.rotation > rotation_count || (kind == 3 && colour.is_plain()))
                 return false;
             last_colour_.remember(colour);
         }
-        out_.colours.push_back(static_cast<std::uint8_t>(colour));
+        out_.colours.push_back(colour);
         return true;
     }
 

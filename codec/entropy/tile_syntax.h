@@ -3,8 +3,8 @@
 //
 //   split(depth classes, kind), prediction(context, symbol), displacement_kind(direction, kind),
 //   displacement(class, token), base(has one), from_base(block before does, copies),
-//   base_displacement(token), first_length(context, token), other_length(previous, token),
-//   colour(last was rotated, kind), zero(parameter index, is_zero), magnitude(table, token),
+//   base_displacement(token), mode(context, symbol), first_length(context, token), other_length(previous, token),
+//   colour(context, kind), share(plane, token), zero(parameter index, is_zero), magnitude(table, token),
 //   raw(value, bits)
 #pragma once
 
@@ -12,7 +12,7 @@
 #include "codec/entropy/tile_entropy.h"
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_levels.h"
-#include "format/tile/colour_rotation.h"
+#include "format/tile/block_colour.h"
 
 #include <bit>
 #include <cstdlib>
@@ -65,14 +65,19 @@ inline std::int32_t take_magnitude(RansDecoder& rans, int token) {
 
 // What a segment remembers of the colours of its blocks.
 struct ColourMemory {
-    bool rotated = false;  // whether the last block with a colour symbol was rotated
-    int last_rotation = 1; // colour of the last rotated block, or 1
+    int context = 0; // of the last block with a colour symbol: plain, rotated, predicted
+    BlockColour last{.rotation = 1, .share = {}}; // of the last block that was not plain
+    std::array<std::int8_t, 2> share{};           // of the last predicted block
 
-    int kind_of(int colour) const { return colour == 0 ? 0 : colour == last_rotation ? 1 : 2; }
-    void remember(int colour) {
-        rotated = colour != 0;
-        if (rotated)
-            last_rotation = colour;
+    int kind_of(const BlockColour& colour) const {
+        return colour.is_plain() ? 0 : colour == last ? 1 : colour.is_rotated() ? 2 : 3;
+    }
+    void remember(const BlockColour& colour) {
+        context = colour.is_plain() ? 0 : colour.is_rotated() ? 1 : 2;
+        if (context != 0)
+            last = colour;
+        if (context == 2)
+            share = colour.share;
     }
 };
 constexpr int rotation_index_bits = 6;
@@ -87,6 +92,7 @@ public:
     void walk_tree(const TileLevels& tile) {
         std::size_t next = 0;
         predictions_ = PredictionMemory{};
+        modes_ = ModeMemory{};
         leaf_ = 0;
         if (const auto base = base_shape(tile.shape, coding_.parameters.base)) {
             visitor_.base(tile.base_blocks > 0);
@@ -127,11 +133,18 @@ public:
     }
 
 private:
-    void walk_colour(int colour) {
+    void walk_colour(const BlockColour& colour) {
         const int kind = last_colour_.kind_of(colour);
-        visitor_.colour(last_colour_.rotated, kind);
+        visitor_.colour(last_colour_.context, kind);
         if (kind == 2)
-            visitor_.raw(static_cast<std::uint32_t>(colour - 1), rotation_index_bits);
+            visitor_.raw(static_cast<std::uint32_t>(colour.rotation - 1), rotation_index_bits);
+        if (kind == 3)
+            for (int c = 0; c < 2; ++c) {
+                const int difference = colour.share[c] - last_colour_.share[c];
+                const int token = difference_token(difference);
+                visitor_.share(c, token);
+                walk_difference(token, difference);
+            }
         last_colour_.remember(colour);
     }
 
@@ -154,8 +167,10 @@ private:
         const BlockPrediction prediction =
             tile.predictions.empty() ? BlockPrediction{} : tile.predictions[leaf_];
         const bool of_base = leaf_++ < tile.base_blocks;
-        if (of_base)
+        if (of_base || is_picture(tile.shape)) {
+            walk_mode(block, prediction.mode);
             return;
+        }
         if (tile.base_blocks > 0) {
             visitor_.from_base(predictions_.copied_base(), prediction.copies_base());
             predictions_.remember_base(prediction.copies_base());
@@ -185,6 +200,14 @@ private:
             walk_component(displacement_class(direction, 1), to.v - from.v);
         }
         predictions_.remember(direction, to);
+    }
+
+    void walk_mode(const Block& block, BorderMode mode) {
+        const int symbol = modes_.symbol(block, mode);
+        visitor_.mode(modes_.context(block), symbol);
+        if (symbol == ModeMemory::other_direction)
+            visitor_.raw(static_cast<std::uint32_t>(mode - mode_first_direction), direction_bits);
+        modes_.remember(block, mode);
     }
 
     void walk_component(int table, int difference) {
@@ -255,6 +278,7 @@ private:
     ContextGrid grid_;
     ColourMemory last_colour_;
     PredictionMemory predictions_;
+    ModeMemory modes_;
     std::size_t leaf_ = 0; // index of the next leaf in walk_tree()
 };
 

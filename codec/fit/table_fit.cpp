@@ -26,15 +26,16 @@ std::array<Surprise, parameter_count_of_odds> make_surprises() {
 
 } // namespace
 
-Parameters fit_parameters(const Statistics& statistics) {
+Parameters fit_parameters(const Statistics& statistics, DefaultSet defaults) {
     static const auto surprise = make_surprises();
-    Parameters fitted = default_parameters();
+    const Parameters& standards = default_parameters(defaults);
+    Parameters fitted = standards;
     for (std::size_t i = 0; i < fitted.size(); ++i) {
         const auto stops = static_cast<double>(statistics.stops[i]);
         const auto goes = static_cast<double>(statistics.goes[i]);
         if (stops + goes == 0)
             continue;
-        const int standard = default_parameters()[i];
+        const int standard = standards[i];
         double least = 1e300;
         for (int p = 0; p < parameter_count_of_odds; ++p) {
             const double change =
@@ -50,9 +51,9 @@ Parameters fit_parameters(const Statistics& statistics) {
     return fitted;
 }
 
-Parameters dense_parameters() {
+Parameters dense_parameters(DefaultSet defaults) {
     constexpr std::uint8_t of_quantiser[quantisers] = {23, 40}; // 0 in 9 of 10, in 1 of 7
-    Parameters parameters = default_parameters();
+    Parameters parameters = default_parameters(defaults);
     for (int copies = 0; copies < copy_classes; ++copies)
         for (int quantiser = 0; quantiser < quantisers; ++quantiser)
             for (int row = 0; row <= cross_classes; ++row)

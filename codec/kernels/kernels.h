@@ -65,7 +65,6 @@ struct FilterTaps {
 
 // A set of rows of a view: bit v stands for row v.
 using RowSet = std::uint64_t;
-static_assert(max_tile_side <= 64);
 
 // A view of a plane as the filter reads it: rows x n values, rows `stride` apart. from[i] points at
 // neighbour i of the first value, ring by ring. Rows whose bit is set in `skip` stay as they are.

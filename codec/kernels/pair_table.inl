@@ -19,16 +19,16 @@ std::int32_t packed(std::int32_t low, std::int32_t high) {
 // 3, next[p][x] 2p + 1 and 2p + 2. They are 0 past n and where a coefficient is whole. Above DC
 // only multiples of 4 can be whole: bit i of whole[x] stands for frequency 4i + 4.
 struct PairTable {
-    std::int32_t even[max_tile_side][max_pairs], odd[max_tile_side][max_pairs];
-    alignas(32) std::int32_t next[max_frequencies / 2][max_tile_side];
-    std::uint8_t whole[max_tile_side];
+    std::int32_t even[max_block_side][max_pairs], odd[max_block_side][max_pairs];
+    alignas(32) std::int32_t next[max_frequencies / 2][max_block_side];
+    std::uint8_t whole[max_block_side];
     std::uint8_t whole_anywhere; // the union of all whole[]
 };
 
 struct PairTables {
-    PairTable of[max_tile_side + 1];
+    PairTable of[max_block_side + 1];
     PairTables() {
-        for (int n = 1; n <= max_tile_side; ++n) {
+        for (int n = 1; n <= max_block_side; ++n) {
             const std::int32_t* b = basis(n);
             const int coded = n < max_frequencies ? n : max_frequencies;
             const auto is_whole = [&](int k, int x) {
@@ -38,7 +38,7 @@ struct PairTables {
                 return k < coded && x < n && !is_whole(k, x) ? b[k * n + x] : 0;
             };
             of[n].whole_anywhere = 0;
-            for (int x = 0; x < max_tile_side; ++x) {
+            for (int x = 0; x < max_block_side; ++x) {
                 of[n].whole[x] = 0;
                 for (int k = 4; k < max_frequencies; k += 4)
                     of[n].whole[x] =

@@ -10,7 +10,7 @@ namespace tessera {
 
 Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
     CodingParameters fitted = pass.parameters;
-    fitted.parameters = fit_parameters(pass.totals.statistics);
+    fitted.parameters = fit_parameters(pass.totals.statistics, fitted.defaults);
     std::shared_ptr<TileStore> payloads = pass.payloads; // in memory each replaces the old one
     if (plan.journal != nullptr) {
         TESSERA_TRY_ASSIGN(payloads, plan.journal->scratch(pass.tiles.size()));

@@ -22,6 +22,8 @@ double smallest_step(SampleType type) {
 CodingParameters parameters_for_step(double step, const TextureDesc& desc,
                                      const EffortSettings& effort) {
     CodingParameters parameters;
+    if (desc.size[axis_s] == 1 && desc.size[axis_t] == 1)
+        parameters.use_defaults(DefaultSet::pictures);
     parameters.dependent = effort.dependent;
     if (effort.dependent)
         step *= 1.045; // for the PSNR of independent levels

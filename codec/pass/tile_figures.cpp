@@ -65,10 +65,12 @@ std::uint32_t sum_of(const TileLevels& levels, const CorrectionMap& corrections)
     sum.add(levels.base_blocks);
     for (const std::uint8_t split : levels.splits) // the blocks follow from the splits
         sum.add(split);
-    for (const std::uint8_t colour : levels.colours)
-        sum.add(colour);
+    for (const BlockColour& colour : levels.colours)
+        sum.add(std::uint64_t{colour.rotation} << 16 | (unsigned_of(colour.share[0]) & 0xFF) << 8 |
+                (unsigned_of(colour.share[1]) & 0xFF));
     for (const BlockPrediction& prediction : levels.predictions)
         sum.add(static_cast<std::uint64_t>(prediction.from) << 32 |
+                static_cast<std::uint64_t>(prediction.mode) << 16 |
                 (unsigned_of(prediction.displacement.u) & 0xFF) << 8 |
                 (unsigned_of(prediction.displacement.v) & 0xFF));
     for (const PlaneLevels& plane : levels.planes)

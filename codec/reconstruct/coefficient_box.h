@@ -29,6 +29,12 @@ public:
     bool is_constant() const { return support_ == Support{1, 1, 1, 1}; }
     // How many coefficients dequantize() fills.
     int size() const { return support_[0] * support_[1] * count_; }
+    // Where dequantize() puts the DC coefficient, or -1 if it leaves out its column, where all
+    // coefficients are 0.
+    int dc() const {
+        const int column = column_of_[0];
+        return column < 0 || columns_run_fastest() ? column : column * support_[0] * support_[1];
+    }
     // Dequantises a plane into `box` in the order that transform() expects, with room for all
     // passes.
     void dequantize(std::span<const NonZero> levels, const ScanOrder& order, const ScaleSet& scales,

@@ -46,7 +46,7 @@ void copy_views(const Block& block, const BlockPrediction& prediction, bool smoo
     const auto& n = block.shape.n;
     const int page = tile.n[0] * tile.n[1];
     const bool along_s = prediction.from == CopyFrom::along_s;
-    std::array<std::int32_t, (max_tile_side + 2) * (max_tile_side + 2)> buffer;
+    std::array<std::int32_t, (max_block_side + 2) * (max_block_side + 2)> buffer;
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s) {
             const int from_s = block.origin[2] + (along_s ? -1 : s);
@@ -163,7 +163,7 @@ private:
     std::array<std::int16_t, max_angular_side> row_{}; // where the copy for each t begins
     std::array<std::uint8_t, max_angular_side> phase_;
     int first_ = 0, last_ = 0; // extremes of row_
-    std::array<std::int32_t, (max_tile_side + base_taps) * max_base_side> edge_;
+    std::array<std::int32_t, (max_block_side + base_taps) * max_base_side> edge_;
     std::unique_ptr<std::int32_t[]> filtered_;
 };
 

@@ -1,8 +1,9 @@
 #include "codec/reconstruct/reconstruct.h"
 
 #include "codec/kernels/kernels.h"
+#include "codec/reconstruct/border_prediction.h"
 #include "codec/reconstruct/copy_prediction.h"
-#include "format/tile/colour_rotation.h"
+#include "format/tile/block_colour.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -21,20 +22,21 @@ void fill_block(const BlockTarget& to, std::int32_t value) {
 class BlockReconstruction {
 public:
     BlockReconstruction(const TileLevels& tile, std::size_t index, const TileCoding& coding,
-                        ReconstructScratch& scratch, TilePlanes& planes)
+                        ReconstructScratch& scratch, TilePlanes& planes, int fineness)
         : tile_(tile), block_(tile.blocks[index]), colour_(tile.colours[index]),
-          is_of_base_(index < tile.base_blocks), coding_(coding),
+          is_of_base_(index < tile.base_blocks),
+          fineness_(is_of_base_ ? base_fineness(tile.shape) : fineness), coding_(coding),
           shape_(scratch.shapes.get(coding, block_.shape)), scratch_(scratch), tile_planes_(planes),
           picture_(is_of_base_ ? planes.base_shape : tile.shape),
           planes_(is_of_base_ ? planes.base : planes.plane),
           levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)),
-          prediction_(tile.copies(index) ? &tile.predictions[index] : nullptr),
+          prediction_(tile.is_predicted(index) ? &tile.predictions[index] : nullptr),
           limit_(tile.predictions.empty() ? no_limit : value_limit(coding.type)) {}
 
     void run() {
         int plane = 0;
-        if (colour_ != 0) {
-            rotated_planes();
+        if (!colour_.is_plain()) {
+            mixed_planes();
             plane = 3;
         }
         for (; plane < coding_.planes; ++plane) {
@@ -56,12 +58,11 @@ private:
     void dequantize(int plane, std::vector<std::int32_t>& values) const {
         const ScaleSet& scales = coding_.scales(shape_, plane, colour_);
         scratch_.box.dequantize(
-            levels(plane), shape_.order,
-            is_of_base_ ? finer_scales(scales, base_fineness(tile_.shape)) : scales,
+            levels(plane), shape_.order, fineness_ != 0 ? finer_scales(scales, fineness_) : scales,
             coding_.parameters.offsets[static_cast<std::size_t>(plane_class(plane))], values);
     }
 
-    void rotated_planes() {
+    void mixed_planes() {
         if (levels(0).empty() && levels(1).empty() && levels(2).empty()) {
             for (int plane = 0; plane < 3; ++plane)
                 finish_constant(plane, 0);
@@ -74,7 +75,15 @@ private:
             dequantize(plane, scratch_.rotated[static_cast<std::size_t>(plane)]);
         auto& [a, b, c] = scratch_.rotated;
         std::int32_t* const rotated[3] = {a.data(), b.data(), c.data()};
-        kernels().unrotate(rotated, scratch_.box.size(), rotation_matrix(colour_ - 1));
+        const int dc = scratch_.box.dc();
+        // The means of blocks without prediction are not related.
+        const bool keeps_dc = colour_.predicts_chroma() && prediction_ == nullptr && dc >= 0;
+        const std::int32_t co = keeps_dc ? b[dc] : 0, cg = keeps_dc ? c[dc] : 0;
+        kernels().unrotate(rotated, scratch_.box.size(), colour_matrix(colour_));
+        if (keeps_dc) {
+            b[dc] = co;
+            c[dc] = cg;
+        }
         for (int plane = 0; plane < 3; ++plane) {
             scratch_.a.swap(scratch_.rotated[static_cast<std::size_t>(plane)]);
             finish(plane);
@@ -91,7 +100,7 @@ private:
         }
         scratch_.box.transform(block_.shape, scratch_.a, scratch_.b);
         if (prediction_ != nullptr) {
-            add_copies(plane, shift);
+            add_prediction(plane, shift);
             return;
         }
         kernels().put_block(scratch_.a.data(), shift, target(plane));
@@ -102,7 +111,7 @@ private:
             make_room(scratch_.a);
             if (value != 0)
                 std::fill_n(scratch_.a.begin(), block_.shape.texels(), value);
-            add_copies(plane, value != 0 ? 0 : BaseCopies::nothing_there);
+            add_prediction(plane, value != 0 ? 0 : BaseCopies::nothing_there);
             return;
         }
         fill_block(target(plane), std::clamp(value, -limit_, limit_ - 1));
@@ -112,10 +121,32 @@ private:
         return block_target(block_, picture_, planes_[static_cast<std::size_t>(plane)], limit_);
     }
 
-    // Adds the copy to scratch_.a; `shift` is as in BaseCopies::add_shift.
-    void add_copies(int plane, int shift) {
+    // Adds the prediction to scratch_.a; `shift` is as in BaseCopies::add_shift.
+    void add_prediction(int plane, int shift) {
+        if (!prediction_->copies()) {
+            add_border(plane, shift);
+            kernels().put_block(scratch_.a.data(), 0, target(plane));
+            return;
+        }
         copy_block(block_, *prediction_, coding_, shift, scratch_.a.data(), tile_planes_,
                    static_cast<std::size_t>(plane));
+    }
+
+    void add_border(int plane, int shift) {
+        make_room(scratch_.predicted);
+        predict_from_border(
+            block_, prediction_->mode, picture_, planes_[static_cast<std::size_t>(plane)],
+            is_of_base_ ? tile_planes_.base_done : tile_planes_.done, scratch_.predicted.data());
+        const std::int32_t* const predicted = scratch_.predicted.data();
+        std::int32_t* const values = scratch_.a.data();
+        const int count = block_.shape.texels();
+        if (shift == BaseCopies::nothing_there) {
+            std::copy_n(predicted, count, values);
+        } else {
+            const std::int32_t half = shift > 0 ? 1 << (shift - 1) : 0;
+            for (int i = 0; i < count; ++i)
+                values[i] = predicted[i] + ((values[i] + half) >> shift);
+        }
     }
 
     void make_room(std::vector<std::int32_t>& values) const {
@@ -124,8 +155,9 @@ private:
 
     const TileLevels& tile_;
     const Block& block_;
-    const int colour_;
+    const BlockColour colour_;
     const bool is_of_base_;
+    const int fineness_;
     const TileCoding& coding_;
     const ShapeCoding& shape_;
     ReconstructScratch& scratch_;
@@ -133,15 +165,17 @@ private:
     const BlockShape& picture_; // the tile or base picture that contains the block
     std::array<std::vector<std::int32_t>, max_planes>& planes_; // of picture_
     const PlaneLevels* const levels_;
-    const BlockPrediction* const prediction_; // null if the block copies nothing
-    const std::int32_t limit_;                // for blocks that copy nothing
+    const BlockPrediction* const prediction_; // null if the block is not predicted
+    const std::int32_t limit_;                // for blocks without prediction
 };
 
 } // namespace
 
 void reconstruct_block(const TileLevels& levels, std::size_t block, const TileCoding& coding,
-                       ReconstructScratch& scratch, TilePlanes& planes) {
-    BlockReconstruction(levels, block, coding, scratch, planes).run();
+                       ReconstructScratch& scratch, TilePlanes& planes, int fineness) {
+    BlockReconstruction(levels, block, coding, scratch, planes, fineness).run();
+    DecodedRegion& done = block < levels.base_blocks ? planes.base_done : planes.done;
+    done.add(levels.blocks[block]);
 }
 
 void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,

@@ -12,7 +12,7 @@ namespace tessera {
 
 // Scratch memory of one thread.
 struct ReconstructScratch {
-    std::vector<std::int32_t> a, b;
+    std::vector<std::int32_t> a, b, predicted;
     std::array<std::vector<std::int32_t>, 3> rotated;
     CoefficientBox box;
     RecentShapes shapes; // of the only TileCoding that it may be used with
@@ -22,8 +22,9 @@ struct ReconstructScratch {
 void reconstruct(const TileLevels& levels, const TileCoding& coding, ReconstructScratch& scratch,
                  TilePlanes& planes);
 
-// Reconstructs one block of a tile. Everything that it copies must have been reconstructed.
+// Reconstructs one block of a tile. Everything that its prediction reads must have been
+// reconstructed. `fineness` is that of base_picture.h for a base picture that is a tile of its own.
 void reconstruct_block(const TileLevels& levels, std::size_t block, const TileCoding& coding,
-                       ReconstructScratch& scratch, TilePlanes& planes);
+                       ReconstructScratch& scratch, TilePlanes& planes, int fineness = 0);
 
 } // namespace tessera

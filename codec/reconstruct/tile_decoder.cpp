@@ -8,7 +8,7 @@ BlockShape tile_shape(const Box4& box) {
     BlockShape shape;
     const Extent4 extent = box.extent();
     for (int axis = 0; axis < 4; ++axis)
-        shape.n[axis] = static_cast<std::uint8_t>(extent[axis]);
+        shape.n[axis] = static_cast<std::uint16_t>(extent[axis]);
     return shape;
 }
 

@@ -27,8 +27,9 @@ void filter_planes(const TileCoding& coding, Kernel kernel, std::vector<Value>& 
         if (!padded.fill(planes.shape, values, value_limit(coding.type)))
             continue;
         const FilterTaps taps = taps_of(coding, plane);
-        padded.for_each_view(
-            [&](int view, const FilterView<Value>& in) { kernel(in, taps, values + view * page); });
+        padded.for_each_band([&](int view, int first, const FilterView<Value>& in) {
+            kernel(in, taps, values + view * page + first * planes.shape.n[0]);
+        });
     }
 }
 

@@ -25,7 +25,7 @@ std::vector<float> make_table(int n) {
 
 // Tables are computed on first use because computing all 64 would take 2 ms.
 const float* make_forward_basis(int n) {
-    static std::array<std::vector<float>, max_tile_side + 1> tables;
+    static std::array<std::vector<float>, max_block_side + 1> tables;
     static std::mutex mutex;
     const std::lock_guard lock(mutex);
     std::vector<float>& table = tables[static_cast<std::size_t>(n)];

@@ -15,7 +15,7 @@ namespace tessera {
 constexpr std::size_t read_behind_basis = 15;
 const float* make_forward_basis(int n);
 // The tables that have been computed so far, by side.
-inline std::array<std::atomic<const float*>, max_tile_side + 1> forward_bases{};
+inline std::array<std::atomic<const float*>, max_block_side + 1> forward_bases{};
 // Orthonormal DCT-II, transposed: table[x * n + k]. 1 <= n <= 64. Thread-safe.
 inline const float* forward_basis(int n) {
     const float* const made =

@@ -354,7 +354,7 @@ void forward_views(const float* in, float* out, const CellViews& cell) {
 }
 
 void forward_image(const float* in, int stride, int nu, int nv, float* out) {
-    float tmp[max_tile_side * max_tile_side];
+    float tmp[max_block_side * max_block_side];
     const bool columns_split = nu % 4 == 0;
     if (columns_split && nv == 64)
         image_columns<64>(in, stride, nu, tmp);
@@ -385,7 +385,7 @@ void forward_image(const float* in, int stride, int nu, int nv, float* out) {
             plain_rows(tmp, 1, nu, rows, nu, kept, forward_basis(nu), out, 1, kept);
             return;
         }
-        float row[max_tile_side];
+        float row[max_block_side];
         for (int r = 0; r < rows; ++r) {
             plain_rows(tmp + r * nu, 1, nu, 1, nu, kept, forward_basis(nu), row, 1, kept);
             for (int i = 0; i < kept; ++i)

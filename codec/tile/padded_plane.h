@@ -33,44 +33,47 @@ public:
         const int views = shape.n[2] * shape.n[3];
         memory_.resize(
             std::max(memory_.size(), static_cast<std::size_t>(views * page_ + most_past_a_row)));
-        zero_.resize(static_cast<std::size_t>(views));
-        RowSet all_zero = all_rows();
+        bands_ = (shape.n[1] - 1) / rows_in_band + 1;
+        zero_.resize(static_cast<std::size_t>(views * bands_));
+        bool all_zero = true;
         for (int view = 0; view < views; ++view)
             all_zero &= fill_view(view, values + view * shape.n[0] * shape.n[1], limit);
-        return all_zero != all_rows();
+        return !all_zero;
     }
 
-    // Calls visit(view, FilterView) for each view. Skips rows that are filtered from zeros only.
-    template <class Visit> void for_each_view(Visit visit) const {
-        const int nv = shape_.n[1], ns = shape_.n[2], nt = shape_.n[3];
+    // Calls visit(view, first row, FilterView) for each view, in bands of at most as many rows as a
+    // RowSet holds. Skips rows that are filtered from zeros only.
+    template <class Visit> void for_each_band(Visit visit) const {
+        const int ns = shape_.n[2], nt = shape_.n[3];
         FilterView<Value> in{};
         in.stride = stride_;
-        in.rows = nv;
         in.n = shape_.n[0];
         for (int t = 0; t < nt; ++t)
-            for (int s = 0; s < ns; ++s) {
-                const int own = t * ns + s;
-                in.centre = at(own, 0);
-                in.skip = zeros_of(own);
-                for (std::size_t i = 0; i < filter_taps; ++i) {
-                    const FilterOffset& o = filter_offsets[i / 4][i % 4];
-                    const int view =
-                        std::clamp(t + o.t, 0, nt - 1) * ns + std::clamp(s + o.s, 0, ns - 1);
-                    in.from[i] = at(view, o.v) + o.u;
-                    in.skip &= shifted(zeros_of(view), o.v);
+            for (int s = 0; s < ns; ++s)
+                for (int band = 0; band < bands_; ++band) {
+                    const int own = t * ns + s, first = band * rows_in_band;
+                    in.rows = rows_of(band);
+                    in.centre = at(own, first);
+                    in.skip = zeros_of(own, band);
+                    for (std::size_t i = 0; i < filter_taps; ++i) {
+                        const FilterOffset& o = filter_offsets[i / 4][i % 4];
+                        const int view =
+                            std::clamp(t + o.t, 0, nt - 1) * ns + std::clamp(s + o.s, 0, ns - 1);
+                        in.from[i] = at(view, first + o.v) + o.u;
+                        in.skip &= shifted(zeros_of(view, band), band, o.v);
+                    }
+                    visit(own, first, in);
                 }
-                visit(own, in);
-            }
     }
 
     // Calls visit(FilterRow) for each row that is not skipped.
     template <class Visit> void for_each_row(Visit visit) const {
-        for_each_view([&](int view, const FilterView<Value>& in) {
+        for_each_band([&](int view, int first, const FilterView<Value>& in) {
             FilterRow<Value> row{view, 0, nullptr, {}};
             for (int v = 0; v < in.rows; ++v) {
                 if ((in.skip >> v & 1) != 0)
                     continue;
-                row.v = v;
+                row.v = first + v;
                 row.centre = in.centre + v * in.stride;
                 for (std::size_t i = 0; i < filter_taps; ++i)
                     row.from[i] = in.from[i] + v * in.stride;
@@ -80,20 +83,27 @@ public:
     }
 
 private:
+    static constexpr int rows_in_band = 64;
     static constexpr int most_past_a_row = 32; // values that vectors may read or write past a row
 
-    // Returns the rows that are all 0.
-    RowSet fill_view(int view, const std::int32_t* values, std::int32_t limit) {
+    // Returns whether all values are 0.
+    bool fill_view(int view, const std::int32_t* values, std::int32_t limit) {
         const int nu = shape_.n[0], nv = shape_.n[1];
-        const RowSet zero =
-            pad_rows(values, limit, {.out = at(view, 0), .stride = stride_, .rows = nv, .n = nu});
-        zero_[static_cast<std::size_t>(view)] = zero;
+        bool all_zero = true;
+        for (int band = 0; band < bands_; ++band) {
+            const int first = band * rows_in_band;
+            RowSet& zero = zero_[static_cast<std::size_t>(view * bands_ + band)];
+            zero = pad_rows(
+                values + first * nu, limit,
+                {.out = at(view, first), .stride = stride_, .rows = rows_of(band), .n = nu});
+            all_zero &= zero == all_rows(band);
+        }
         for (int v = 1; v <= filter_margin; ++v) {
             std::copy_n(at(view, 0) - filter_margin, stride_, at(view, -v) - filter_margin);
             std::copy_n(at(view, nv - 1) - filter_margin, stride_,
                         at(view, nv - 1 + v) - filter_margin);
         }
-        return zero;
+        return all_zero;
     }
 
     static RowSet pad_rows(const std::int32_t* values, std::int32_t limit,
@@ -105,18 +115,25 @@ private:
         return kernels().pad_wide_rows(values, limit, to);
     }
 
-    RowSet all_rows() const { return ~RowSet{0} >> (64 - shape_.n[1]); }
-    // A set in which bit v says what bit v + by says in `rows`; the first and last rows repeat.
-    RowSet shifted(RowSet rows, int by) const {
-        const int last = shape_.n[1] - 1;
-        const RowSet above = rows >> last << last; // only the last row's bit
+    int rows_of(int band) const {
+        return std::min(rows_in_band, shape_.n[1] - band * rows_in_band);
+    }
+    RowSet all_rows(int band) const { return ~RowSet{0} >> (rows_in_band - rows_of(band)); }
+    // A set in which bit v says what bit v + by says in `rows`. The first and last rows of the view
+    // repeat; rows of another band count as not zero.
+    RowSet shifted(RowSet rows, int band, int by) const {
+        const int last = rows_of(band) - 1;
+        const RowSet below = band + 1 == bands_ ? rows >> last << last : 0; // the last row's bit
+        const RowSet above = band == 0 ? rows & 1 : 0;
         for (; by > 0; --by)
-            rows = rows >> 1 | above;
+            rows = rows >> 1 | below;
         for (; by < 0; ++by)
-            rows = (rows << 1 | (rows & 1)) & all_rows();
+            rows = (rows << 1 | above) & all_rows(band);
         return rows;
     }
-    RowSet zeros_of(int view) const { return zero_[static_cast<std::size_t>(view)]; }
+    RowSet zeros_of(int view, int band) const {
+        return zero_[static_cast<std::size_t>(view * bands_ + band)];
+    }
 
     // The first value of a row, which may lie in a margin.
     Value* at(int view, int v) const {
@@ -126,7 +143,8 @@ private:
     BlockShape shape_;
     int stride_ = 0, page_ = 0;
     std::vector<Value>& memory_;
-    std::vector<RowSet> zero_; // rows of each view that are all 0
+    int bands_ = 1;
+    std::vector<RowSet> zero_; // rows of each band of each view that are all 0
 };
 
 } // namespace tessera

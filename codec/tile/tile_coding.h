@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/texture.h"
+#include "format/tile/block_colour.h"
 #include "format/tile/coding_parameters.h"
 
 #include <array>
@@ -52,9 +53,9 @@ public:
     const bool rotates;  // blocks carry a colour symbol
     const bool predicts; // blocks carry a prediction
 
-    const ScaleSet& scales(const ShapeCoding& shape, int plane, int colour) const {
-        return colour != 0 && plane < 3 ? shape.rotated_scales
-                                        : shape.scales[static_cast<std::size_t>(plane)];
+    const ScaleSet& scales(const ShapeCoding& shape, int plane, BlockColour colour) const {
+        return colour.is_rotated() && plane < 3 ? shape.rotated_scales
+                                                : shape.scales[static_cast<std::size_t>(plane)];
     }
 
 private:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/tile/block.h"
+#include "format/tile/block_colour.h"
 #include "format/tile/prediction.h"
 
 #include <cstdint>
@@ -25,11 +26,11 @@ struct PlaneLevels {
 };
 
 struct TileLevels {
-    BlockShape shape;                  // of the whole tile
-    std::vector<Block> blocks;         // leaves in decoding order
-    std::size_t base_blocks = 0;       // the first ones, which form the tile's base picture
-    std::vector<std::uint8_t> colours; // per block: 0 not rotated, else 1 + rotation
-    std::vector<std::uint8_t> splits;  // Split of each node, parents before children
+    BlockShape shape;                 // of the whole tile
+    std::vector<Block> blocks;        // leaves in decoding order
+    std::size_t base_blocks = 0;      // the first ones, which form the tile's base picture
+    std::vector<BlockColour> colours; // per block
+    std::vector<std::uint8_t> splits; // Split of each node, parents before children
     // The predictions of the blocks and the order in which blocks are reconstructed (see
     // copy_depths). Both are empty if no block copies anything and there is no base picture.
     std::vector<BlockPrediction> predictions;
@@ -53,6 +54,9 @@ struct TileLevels {
     }
     bool copies(std::size_t block) const {
         return !predictions.empty() && predictions[block].copies();
+    }
+    bool is_predicted(std::size_t block) const {
+        return !predictions.empty() && predictions[block].is_predicted();
     }
     std::span<const NonZero> levels(const PlaneLevels& plane) const {
         return {nonzeros.data() + plane.first, plane.count};

@@ -85,12 +85,14 @@ bool is_ycocg8(const ColourCoding& colour) {
 
 void TilePlanes::resize(const BlockShape& new_shape, int planes) {
     shape = new_shape;
+    done.reset();
     for (int i = 0; i < planes; ++i)
         plane[static_cast<std::size_t>(i)].resize(static_cast<std::size_t>(shape.texels()));
 }
 
 void TilePlanes::resize_base(const BlockShape& new_shape, int planes) {
     base_shape = new_shape;
+    base_done.reset();
     for (int i = 0; i < planes; ++i)
         base[static_cast<std::size_t>(i)].resize(static_cast<std::size_t>(base_shape.texels()));
 }

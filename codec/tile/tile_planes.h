@@ -4,6 +4,7 @@
 #include "format/container/syntax.h"
 #include "format/texture.h"
 #include "format/tile/block.h"
+#include "format/tile/border_mode.h"
 #include "format/tile/colour_transform.h"
 
 #include <array>
@@ -40,6 +41,8 @@ struct TilePlanes {
     // The base picture of a decoded tile, in the order v, u.
     BlockShape base_shape;
     std::array<std::vector<std::int32_t>, max_planes> base;
+    // What has been decoded, which border predictions depend on, of the tile and its base picture.
+    DecodedRegion done, base_done;
 
     void resize_base(const BlockShape& new_shape, int planes);
     void resize(const BlockShape& new_shape, int planes);

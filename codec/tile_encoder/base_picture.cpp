@@ -78,7 +78,9 @@ void prepend_base(const TileLevels& base, TileLevels& tile) {
     prepend(blocks, tile.blocks);
     prepend(base.colours, tile.colours);
     prepend(base.splits, tile.splits);
-    prepend(std::vector<BlockPrediction>(base.blocks.size()), tile.predictions);
+    std::vector<BlockPrediction> predictions = base.predictions;
+    predictions.resize(base.blocks.size()); // empty if nothing is predicted
+    prepend(predictions, tile.predictions);
     std::vector<std::uint16_t> order(base.blocks.size());
     for (std::size_t i = 0; i < order.size(); ++i)
         order[i] = static_cast<std::uint16_t>(i);

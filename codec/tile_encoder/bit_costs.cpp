@@ -57,6 +57,15 @@ BitCosts::BitCosts(const CodeTables& tables) {
         fill<colour_kinds>(colour[i], tables.colour[i]);
         colour[i][2] += static_cast<float>(rotation_index_bits);
     }
+    for (std::size_t i = 0; i < share.size(); ++i) {
+        fill<share_tokens>(share[i], tables.share[i]);
+        for (std::size_t token = 1; token < share_tokens; ++token)
+            share[i][token] += static_cast<float>(token);
+    }
+    for (std::size_t i = 0; i < mode.size(); ++i) {
+        fill<mode_symbols>(mode[i], tables.mode[i]);
+        mode[i][ModeMemory::other_direction] += static_cast<float>(direction_bits);
+    }
     for (std::size_t i = 0; i < prediction.size(); ++i)
         fill<prediction_kinds>(prediction[i], tables.prediction[i]);
     for (std::size_t i = 0; i < displacement_kind.size(); ++i)

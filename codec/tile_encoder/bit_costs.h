@@ -34,7 +34,9 @@ struct BitCosts {
     std::array<std::array<float, length_tokens>, length_contexts> first_length; // with raw bits
     std::array<std::array<float, length_tokens>, length_tokens> other_length;
     std::array<std::array<std::array<float, split_kinds>, depth_classes>, depth_classes> split;
-    std::array<std::array<float, colour_kinds>, 2> colour; // with raw bits
+    std::array<std::array<float, colour_kinds>, colour_contexts> colour; // with raw bits
+    std::array<std::array<float, share_tokens>, 2> share;                // with raw bits and sign
+    std::array<std::array<float, mode_symbols>, mode_contexts> mode;     // with raw bits
     std::array<std::array<float, prediction_kinds>, prediction_contexts> prediction;
     std::array<std::array<float, displacement_kinds>, 2> displacement_kind;
     std::array<std::array<float, displacement_tokens>, displacement_classes>

@@ -38,10 +38,17 @@ public:
                                            static_cast<std::size_t>(block_.shape.texels())},
                                           encoder_.coding_->parameters);
         }
-        return choose_rotation(*known_.moments, encoder_.last_rotation - 1);
+        return choose_rotation(*known_.moments, encoder_.memory.last.rotation - 1);
     }
 
-    float estimate(int colour) {
+    // How luma predicts the chroma of a block that was coded plain.
+    LumaFit fit_chroma() {
+        transform();
+        return encoder_.quantizer_.fit_chroma(encoder_.plain_, encoder_.coded_.levels(),
+                                              way({}).planes);
+    }
+
+    float estimate(const BlockColour& colour) {
         CodedBlock::Way& way = this->way(colour);
         if (!way.estimate)
             way.estimate = search_.estimate(coefficients(colour));
@@ -50,21 +57,31 @@ public:
 
     // Puts the levels into encoder_.coded_. With energy, costs of different colours and copies
     // compare.
-    CodedBlock::Way code(int colour, bool with_energy) {
-        CodedBlock::Way& way = this->way(colour);
-        if (!way.is_coded) {
-            const BlockCoefficients& block = coefficients(colour);
-            TileLevels& levels = encoder_.coded_.levels();
-            way.planes = levels.planes.size();
-            const float energy = with_energy ? encoder_.quantizer_.energy(block) : 0.0f;
-            way.cost = encoder_.quantizer_.quantize(block, levels) + energy;
-            way.is_coded = true;
+    CodedBlock::Way code(const BlockColour& colour, bool with_energy) {
+        if (const CodedBlock::Way& known = way(colour); known.is_coded)
+            return known;
+        const BlockCoefficients& block = coefficients(colour);
+        const float energy = with_energy ? encoder_.quantizer_.energy(block) : 0.0f;
+        TileLevels& levels = encoder_.coded_.levels();
+        const std::size_t first_plane = levels.planes.size();
+        BlockQuantizer::Cost cost;
+        if (colour.predicts_chroma()) {
+            const CodedBlock::Way& plain = way({});
+            cost =
+                encoder_.quantizer_.quantize_chroma(block, plain.planes, plain.luma_cost, levels);
+        } else {
+            cost = encoder_.quantizer_.quantize(block, levels);
         }
-        return way;
+        CodedBlock::Way& coded = way(colour);
+        coded.planes = first_plane;
+        coded.cost = cost.all + energy;
+        coded.luma_cost = cost.luma;
+        coded.is_coded = true;
+        return coded;
     }
 
 private:
-    CodedBlock::Way& way(int colour) {
+    CodedBlock::Way& way(const BlockColour& colour) {
         for (CodedBlock::Way& way : known_.ways)
             if (way.colour == colour)
                 return way;
@@ -78,11 +95,18 @@ private:
         is_transformed_ = true;
     }
 
-    const BlockCoefficients& coefficients(int colour) {
+    const BlockCoefficients& coefficients(const BlockColour& colour) {
         transform();
-        if (colour != 0 && rotated_to_ != colour) {
-            rotate_colours(encoder_.plain_, colour - 1, encoder_.rotated_);
-            rotated_to_ = colour;
+        if (!colour.is_plain() && coloured_as_ != colour) {
+            if (colour.is_rotated()) {
+                rotate_colours(encoder_.plain_, colour.rotation - 1, encoder_.coloured_);
+            } else {
+                const CodedBlock::Way plain = way({});
+                encoder_.quantizer_.predict_chroma(encoder_.plain_, colour,
+                                                   encoder_.coded_.levels(), plain.planes,
+                                                   encoder_.coloured_);
+            }
+            coloured_as_ = colour;
         }
         return encoder_.coefficients(colour);
     }
@@ -94,7 +118,7 @@ private:
     const TilePlanes& decoded_;
     CodedBlock& known_;
     bool is_transformed_ = false;
-    int rotated_to_ = 0; // the colour of encoder_.rotated_; 0: that of another block
+    BlockColour coloured_as_; // the colour of encoder_.coloured_; plain: that of another block
 };
 
 float BlockEncoder::encode(BlockSearch& search, const Block& block,
@@ -102,60 +126,110 @@ float BlockEncoder::encode(BlockSearch& search, const Block& block,
                            TileLevels& out, float limit) {
     CurrentBlock hand(*this, search, block, prediction, decoded);
     const int planes = coding_->planes;
-    const bool rotates = coding_->rotates && settings_->rotate_colours;
+    const bool colours = coding_->rotates && settings_->rotate_colours;
     // A block of zeros does not lose the same on rotated axes as on Y, Co and Cg, which are not
     // orthogonal, so costs relative to it would not compare.
-    const bool needs_energy = compares_ || rotates;
-    bool tries_plain = true, tries_rotated = rotates;
+    const bool needs_energy = compares_ || colours;
+    bool tries_rotated = colours;
+    float rotated_estimate = 0; // without estimates all ways are tried
     std::optional<int> rotation;
+    const auto rotated_by = [](int index) {
+        return BlockColour{.rotation = static_cast<std::uint8_t>(index + 1), .share = {}};
+    };
     // Without a trellis coding takes little longer than estimating.
     if (coding_->parameters.dependent && needs_energy) {
-        rotation = rotates ? hand.rotation() : -1;
-        const float plain = hand.estimate(0);
-        const float rotated = *rotation < 0 ? unreachable_cost : hand.estimate(*rotation + 1);
+        rotation = colours ? hand.rotation() : -1;
+        const float plain = hand.estimate({});
+        const float rotated =
+            *rotation < 0 ? unreachable_cost : hand.estimate(rotated_by(*rotation));
         if (std::min(plain, rotated) > clearly_more * limit)
             return unreachable_cost;
-        tries_plain = plain <= colours_apart * rotated;
+
         tries_rotated = rotated <= colours_apart * plain;
+        rotated_estimate = rotated;
     }
-    const auto take_plain = [&] {
-        const CodedBlock::Way plain = hand.code(0, needs_energy);
-        coded_.append(plain, planes, out);
-        return plain.cost;
-    };
     float least = unreachable_cost;
-    if (tries_plain) {
-        const CodedBlock::Way plain = hand.code(0, needs_energy);
-        if (coded_.is_zero(plain, planes))
-            return take_plain();
-        least = plain.cost;
+    BlockColour best;
+    CodedBlock::Way best_way;
+    const auto offer = [&](const BlockColour& colour) {
+        const CodedBlock::Way way = hand.code(colour, needs_energy);
+        // A block whose first plane is empty has no symbol for its colour.
+        if (!colour.is_plain() && coded_.first_plane(way).coded_length == 0)
+            return;
+        const bool has_symbol = colours && coded_.first_plane(way).coded_length != 0;
+        const float cost =
+            way.cost + (has_symbol ? settings_->quantizer.lambda * colour_bits(colour) : 0.0f);
+        if (cost >= least)
+            return;
+        least = cost;
+        best = colour;
+        best_way = way;
+    };
+    const auto finish = [&] {
+        coded_.append(best_way, planes, out);
+        if (colours && coded_.first_plane(best_way).coded_length != 0)
+            memory.remember(best);
+        return least;
+    };
+    offer({}); // its luma is needed to predict chroma
+    if (coded_.is_zero(best_way, planes))
+        return finish();
+    if (colours && coded_.first_plane(best_way).coded_length != 0) {
+        const BlockColour shares = best_shares(hand.fit_chroma());
+        if (shares.predicts_chroma()) {
+            const float rest = rotation ? hand.estimate(shares) : 0.0f;
+            if (!tries_rotated || rest <= colours_apart * rotated_estimate)
+                offer(shares);
+            tries_rotated = tries_rotated && rotated_estimate <= colours_apart * rest;
+        }
     }
     if (tries_rotated && !rotation)
         rotation = hand.rotation();
-    if (!tries_rotated || *rotation < 0)
-        return take_plain();
-    const CodedBlock::Way rotated = hand.code(*rotation + 1, needs_energy);
-    const auto& bits = costs_->colour[1];
-    const float cost = rotated.cost + settings_->quantizer.lambda *
-                                          (bits[*rotation + 1 == last_rotation ? 1 : 2] - bits[0]);
-    // A block whose first plane is empty has no symbol for its colour.
-    if (cost >= least || coded_.first_plane(rotated).coded_length == 0)
-        return take_plain();
-    last_rotation = *rotation + 1;
-    coded_.append(rotated, planes, out);
-    return cost;
+    if (tries_rotated && *rotation >= 0)
+        offer(rotated_by(*rotation));
+    return finish();
 }
 
-void BlockEncoder::encode_as(const BlockCoefficients& block, int colour, TileLevels& out) {
+// The shares, of a block's own or as before, that save most; none if none saves more than its bits.
+BlockColour BlockEncoder::best_shares(const LumaFit& fit) const {
+    const float lambda = settings_->quantizer.lambda;
+    BlockColour best;
+    float most = -lambda * colour_bits({});
+    for (const BlockColour& colour :
+         {fit.colour, BlockColour{.rotation = 0, .share = memory.share}})
+        if (const float gain = fit.gain(colour) - lambda * colour_bits(colour);
+            colour.predicts_chroma() && gain > most) {
+            most = gain;
+            best = colour;
+        }
+    return best;
+}
+
+float BlockEncoder::colour_bits(const BlockColour& colour) const {
+    const int kind = memory.kind_of(colour);
+    float bits = costs_->colour[memory.context][kind];
+    if (kind == 3)
+        for (std::size_t c = 0; c < 2; ++c)
+            bits += costs_->share[c][difference_token(colour.share[c] - memory.share[c])];
+    return bits;
+}
+
+void BlockEncoder::encode_as(const BlockCoefficients& block, const BlockColour& colour,
+                             TileLevels& out) {
     out.clear();
-    if (colour != 0) {
-        rotate_colours(block, colour - 1, rotated_);
-        quantizer_.quantize(rotated_, out);
+    if (colour.is_rotated()) {
+        rotate_colours(block, colour.rotation - 1, coloured_);
+        quantizer_.quantize(coloured_, out);
         if (out.planes[0].coded_length != 0)
             return;
         out.clear();
     }
     quantizer_.quantize(block, out);
+    if (colour.predicts_chroma() && out.planes[0].coded_length != 0) {
+        quantizer_.predict_chroma(block, colour, out, 0, coloured_);
+        out.clear();
+        quantizer_.quantize(coloured_, out);
+    }
 }
 
 } // namespace tessera

@@ -1,6 +1,7 @@
 // Codes one block: on the file's colour axes or on rotated ones, whichever costs less.
 #pragma once
 
+#include "codec/entropy/tile_syntax.h"
 #include "codec/tile_encoder/block_quantizer.h"
 #include "codec/tile_encoder/block_search.h"
 #include "codec/tile_encoder/coded_blocks.h"
@@ -31,17 +32,19 @@ public:
                  const TilePlanes& decoded, TileLevels& out, float limit = unreachable_cost);
     // Replaces `out` by the given coefficients, coded with that colour if its first plane is not
     // empty then, otherwise with none.
-    void encode_as(const BlockCoefficients& block, int colour, TileLevels& out);
+    void encode_as(const BlockCoefficients& block, const BlockColour& colour, TileLevels& out);
 
     // The coefficients of the block that was coded last, with its colour.
-    const BlockCoefficients& coefficients(int colour) const {
-        return colour != 0 ? rotated_ : plain_;
+    const BlockCoefficients& coefficients(const BlockColour& colour) const {
+        return colour.is_plain() ? plain_ : coloured_;
     }
-    // The rotation of the block before, as ColourMemory in tile_syntax.h. A tree begins with 1.
-    int last_rotation = 1;
+    // The colours of the blocks before. Each tree begins with a new one.
+    ColourMemory memory;
 
 private:
     class CurrentBlock;
+    BlockColour best_shares(const LumaFit& fit) const;
+    float colour_bits(const BlockColour& colour) const; // of its symbols
 
     const TileCoding* coding_;
     const BitCosts* costs_;
@@ -49,7 +52,7 @@ private:
     bool compares_ = true;
     BlockQuantizer quantizer_;
     CodedBlocks coded_;
-    BlockCoefficients plain_, rotated_;
+    BlockCoefficients plain_, coloured_;
 };
 
 } // namespace tessera

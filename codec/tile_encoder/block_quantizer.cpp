@@ -35,17 +35,92 @@ BlockQuantizer::BlockQuantizer(const TileCoding& coding, const BitCosts& costs,
             offset_[c][i] = static_cast<float>(coding.parameters.offsets[c][i]) / 64.0f;
 }
 
-float BlockQuantizer::quantize(const BlockCoefficients& block, TileLevels& out) {
-    const std::size_t first_plane = out.planes.size();
-    out.colours.push_back(static_cast<std::uint8_t>(block.colour));
-    float cost = 0;
-    int first_token = 0;
-    for (int plane = 0; plane < coding_.planes; ++plane) {
-        cost += quantize_plane(block, plane, first_token, first_plane, out);
-        if (plane == 0)
-            first_token = length_token(out.planes[first_plane].coded_length);
+float LumaFit::gain(const BlockColour& shares) const {
+    float gain = 0;
+    for (std::size_t c = 0; c < 2; ++c) {
+        const float share = shares.share_of_luma(c);
+        gain += share * (2 * product[c] - share * energy) * squared_inverse_step[c];
     }
+    return gain;
+}
+
+BlockQuantizer::Cost BlockQuantizer::quantize(const BlockCoefficients& block, TileLevels& out) {
+    const std::size_t luma = out.planes.size();
+    const float cost = quantize_plane(block, 0, 0, luma, out);
+    return quantize_others(block, luma, cost, out);
+}
+
+BlockQuantizer::Cost BlockQuantizer::quantize_chroma(const BlockCoefficients& block,
+                                                     std::size_t luma, float luma_cost,
+                                                     TileLevels& out) {
+    const std::size_t first_plane = out.planes.size();
+    PlaneLevels plane = out.planes[luma];
+    const std::size_t from = plane.first;
+    plane.first = static_cast<std::uint32_t>(out.nonzeros.size());
+    for (std::size_t i = 0; i < plane.count; ++i)
+        out.nonzeros.push_back(NonZero(out.nonzeros[from + i]));
+    out.planes.push_back(plane);
+    return quantize_others(block, first_plane, luma_cost, out);
+}
+
+BlockQuantizer::Cost BlockQuantizer::quantize_others(const BlockCoefficients& block,
+                                                     std::size_t luma, float luma_cost,
+                                                     TileLevels& out) {
+    out.colours.push_back(block.colour);
+    const int token = length_token(out.planes[luma].coded_length);
+    Cost cost{.luma = luma_cost, .all = luma_cost};
+    for (int plane = 1; plane < coding_.planes; ++plane)
+        cost.all += quantize_plane(block, plane, token, luma, out);
     return cost;
+}
+
+void BlockQuantizer::decode_luma(const BlockCoefficients& block, const TileLevels& tile,
+                                 std::size_t first_plane) {
+    const std::vector<std::uint32_t>& places = shapes_.get(coding_, block.shape).places();
+    const float per_level = (coding_.parameters.dependent ? 0.5f : 1.0f) / inverse_step(block, 0);
+    luma_.clear();
+    for (const NonZero& nz : tile.levels(tile.planes[first_plane])) {
+        if (nz.index == 0 && !block.is_predicted)
+            continue; // FORMAT.md 4.4
+        const auto magnitude = static_cast<float>(std::abs(nz.level));
+        const float value = (magnitude - offset_[0][std::abs(nz.level) > 1 ? 1 : 0]) * per_level;
+        luma_.emplace_back(places[nz.index], nz.level < 0 ? -value : value);
+    }
+}
+
+LumaFit BlockQuantizer::fit_chroma(const BlockCoefficients& block, const TileLevels& tile,
+                                   std::size_t first_plane) {
+    decode_luma(block, tile, first_plane);
+    LumaFit fit;
+    for (const auto& [place, luma] : luma_) {
+        fit.energy += luma * luma;
+        for (std::size_t c = 0; c < 2; ++c)
+            fit.product[c] += luma * block.plane[c + 1][place];
+    }
+    for (std::size_t c = 0; c < 2 && fit.energy > 0; ++c) {
+        const float step = inverse_step(block, static_cast<int>(c) + 1);
+        fit.squared_inverse_step[c] = step * step;
+        fit.colour.set_share(c, fit.product[c] / fit.energy);
+    }
+    return fit;
+}
+
+void BlockQuantizer::predict_chroma(const BlockCoefficients& block, const BlockColour& colour,
+                                    const TileLevels& tile, std::size_t first_plane,
+                                    BlockCoefficients& out) {
+    decode_luma(block, tile, first_plane);
+    out = block;
+    out.colour = colour;
+    for (std::size_t c = 0; c < 2; ++c) {
+        const float share = colour.share_of_luma(c);
+        if (share == 0)
+            continue;
+        if (out.is_blank[c + 1])
+            out.plane[c + 1].assign(out.plane[0].size(), 0.0f);
+        out.is_blank[c + 1] = false;
+        for (const auto& [place, luma] : luma_)
+            out.plane[c + 1][place] -= share * luma;
+    }
 }
 
 float BlockQuantizer::energy(const BlockCoefficients& block) const {

@@ -65,7 +65,7 @@ float BlockSearch::choose_blocks(TileLevels& out) {
 // Searches the whole tile. False if the tree has more leaves than a tile may have.
 bool BlockSearch::search_tree(TileLevels& out) {
     measure_activity();
-    if (!tile_.grids.is_flat()) {
+    if (!tile_.grids.is_flat() || is_too_large(tile_.source.shape())) {
         estimate_costs();
         tile_.grids.reset_choices();
         return tile_.grids.build_tree(out);

@@ -29,6 +29,7 @@ public:
     }
     // Steps are 2^(-k / 2) times the file's from now on, as for base pictures.
     void set_fineness(int k) { tile_.costs.set_fineness(k); }
+    int fineness() const { return tile_.costs.fineness(); }
 
     // Fills shape, splits and blocks of `out` with a tree whose blocks copy nothing. Returns its
     // estimated cost in squared steps.
@@ -47,12 +48,20 @@ public:
     // The coefficients of one block, less what it copies of `reconstructed`.
     void transform_block(const Block& block, const BlockPrediction& prediction,
                          const TilePlanes& reconstructed, BlockCoefficients& out) {
+        transform_block(block, prediction, reconstructed, out, coding_->planes);
+    }
+    // Those of the first `planes` planes only.
+    void transform_block(const Block& block, const BlockPrediction& prediction,
+                         const TilePlanes& reconstructed, BlockCoefficients& out, int planes) {
         out.fineness = tile_.costs.fineness();
-        tile_.source.transform(block, prediction, reconstructed, out);
+        tile_.source.transform(block, prediction, reconstructed, out, planes);
     }
     // The estimated cost of such coefficients, in squared steps, without the symbol of their
     // colour.
-    float estimate(const BlockCoefficients& block) { return tile_.costs.estimate(block); }
+    float estimate(const BlockCoefficients& block) { return estimate(block, coding_->planes); }
+    float estimate(const BlockCoefficients& block, int planes) {
+        return tile_.costs.estimate(block, planes);
+    }
 
 private:
     bool search_tree(TileLevels& out);

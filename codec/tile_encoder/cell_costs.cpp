@@ -115,13 +115,14 @@ float CellCosts::block_cost(const Coefficients& block, const BlockShape& shape, 
     return std::min(cost, rotated) + unseen + luck;
 }
 
-float CellCosts::estimate(const BlockCoefficients& block) {
+float CellCosts::estimate(const BlockCoefficients& block, int planes) {
     const float* base = dense_costs(block.shape).data();
     float cost = 0;
-    for (int p = 0; p < coding_->planes; ++p)
+    for (int p = 0; p < planes; ++p)
         if (!block.is_blank[p])
             cost += cost_of(block.plane[p].data(), base, block.shape.texels(),
-                            block.colour != 0 && p < 3 ? inverse_rotated_step_ : inverse_step_[p]);
+                            block.colour.is_rotated() && p < 3 ? inverse_rotated_step_
+                                                               : inverse_step_[p]);
     return cost;
 }
 

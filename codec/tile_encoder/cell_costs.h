@@ -38,7 +38,7 @@ public:
     // forward_image leaves frequencies out.
     float block_cost(const Coefficients& block, const BlockShape& shape, float energy);
     // Cost of a block's full coefficients without the symbol of its colour.
-    float estimate(const BlockCoefficients& block);
+    float estimate(const BlockCoefficients& block, int planes);
 
 private:
     // Cost of coding each coefficient, apart from its magnitude: in block order and in that of

@@ -41,7 +41,7 @@ void CellGrids::cut(const BlockShape& tile, int spatial_depths, int angular_dept
                 grid.cells[axis] = static_cast<int>(grid.segments[axis].size());
                 for (const Segment& segment : grid.segments[axis]) {
                     grid.is_full = grid.is_full && segment.size > 0;
-                    grid.is_too_large = grid.is_too_large || segment.size > max_tile_side;
+                    grid.is_too_large = grid.is_too_large || segment.size > max_block_side;
                 }
             }
             grid.is_tried =

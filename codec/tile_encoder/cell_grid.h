@@ -67,7 +67,7 @@ struct CellGrid {
         Block block;
         for (int axis = 0; axis < 4; ++axis) {
             block.origin[axis] = static_cast<std::uint8_t>(segment(c, axis).begin);
-            block.shape.n[axis] = static_cast<std::uint8_t>(segment(c, axis).size);
+            block.shape.n[axis] = static_cast<std::uint16_t>(segment(c, axis).size);
         }
         return block;
     }

@@ -66,7 +66,8 @@ CodedBlock& CodedBlocks::at(const Block& block, const BlockPrediction& predictio
         begin(keep_);
     const auto& o = block.origin;
     const auto& n = block.shape.n;
-    return known_[{o[0], o[1], o[2], o[3], n[0], n[1], n[2], n[3],
+    const auto side = [&n](std::size_t axis) { return static_cast<std::uint8_t>(n[axis]); };
+    return known_[{o[0], o[1], o[2], o[3], side(0), side(1), side(2), side(3),
                    static_cast<std::uint8_t>(prediction.from),
                    static_cast<std::uint8_t>(prediction.displacement.u),
                    static_cast<std::uint8_t>(prediction.displacement.v)}];
@@ -89,7 +90,7 @@ bool CodedBlocks::is_zero(const CodedBlock::Way& way, int planes) const {
 }
 
 void CodedBlocks::append(const CodedBlock::Way& way, int planes, TileLevels& out) const {
-    out.colours.push_back(static_cast<std::uint8_t>(way.colour));
+    out.colours.push_back(way.colour);
     for (int p = 0; p < planes; ++p) {
         PlaneLevels plane = levels_.planes[way.planes + p];
         const auto levels = levels_.levels(plane);

@@ -17,10 +17,11 @@ namespace tessera {
 // One block with one prediction.
 struct CodedBlock {
     struct Way {
-        int colour = 0;                // as in TileLevels
+        BlockColour colour;
         std::optional<float> estimate; // of the cost
         bool is_coded = false;         // the members below are known
         float cost = 0;                // squared steps, without the bits of its colour
+        float luma_cost = 0;           // of the first plane alone
         std::size_t planes = 0;        // index of the first one in CodedBlocks::levels()
     };
     std::vector<Way> ways;

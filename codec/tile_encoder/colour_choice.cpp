@@ -112,8 +112,9 @@ void rotate_colours(const BlockCoefficients& block, int rotation, BlockCoefficie
     const auto count = static_cast<std::size_t>(block.shape.texels());
     out.shape = block.shape;
     out.copies = block.copies;
+    out.is_predicted = block.is_predicted;
     out.fineness = block.fineness;
-    out.colour = rotation + 1;
+    out.colour = {.rotation = static_cast<std::uint8_t>(rotation + 1), .share = {}};
     out.is_blank = block.is_blank;
     std::fill_n(out.is_blank.begin(), 3, false);
     for (std::size_t plane = 0; plane < 3; ++plane) {

@@ -29,16 +29,17 @@ struct EffortRow {
     int along, across, likely, rounds;
     bool dense_tables;
     int refinements;
+    PictureSearch pictures;
 };
 
 constexpr bool on = true, off = false;
 constexpr std::array<EffortRow, most_effort + 1> effort_rows = {{
-    // grids rotation, dependent, recode; copies; dense tables, refinements
-    {four, off, off, off, 0, 0, 0, 0, off, 0},
-    {seven, on, off, on, 0, 0, 0, 0, off, 0},
-    {seven, on, on, on, 8, 4, 24, 1, off, 0},
-    {all, on, on, on, 24, 10, 60, 2, on, 1},
-    {all, on, on, on, 24, 10, 0, 4, on, 2},
+    // grids rotation, dependent, recode; copies; dense tables, refinements, pictures
+    {four, off, off, off, 0, 0, 0, 0, off, 0, {}},
+    {seven, on, off, on, 0, 0, 0, 0, off, 0, {}},
+    {seven, on, on, on, 8, 4, 24, 1, off, 0, {1, off, off}},
+    {all, on, on, on, 24, 10, 60, 2, on, 1, {2, on, off}},
+    {all, on, on, on, 24, 10, 0, 4, on, 2, {3, on, on}},
 }};
 // If a tool switch adds copies to an effort that has none.
 constexpr DisplacementRange usual_range{8, 4};
@@ -72,6 +73,8 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.copy_rounds = std::max(level.rounds, 1);
     settings.try_smooth = copies && tools.is_on(CodingTool::smooth, level_copies);
     settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);
+    if (copies)
+        settings.pictures = level_copies ? level.pictures : PictureSearch{1, off, off};
     settings.try_alignment = tools.is_on(CodingTool::align, level_copies);
     settings.balance = tools.is_on(CodingTool::balance, true);
     settings.filter = tools.is_on(CodingTool::filter, level_copies);

@@ -8,6 +8,13 @@
 namespace tessera {
 
 // Figures: codec/DECISIONS.md and tests/regression/results.csv.
+// How pictures are searched (PictureEncoder).
+struct PictureSearch {
+    int coded_modes = 0;   // border modes of a block that are coded in full; 0: no border modes
+    bool halves = false;   // blocks may be halves of squares,
+    bool quarters = false; // ... and quarters, or halves of these
+};
+
 struct EffortSettings {
     SearchOptions search;
     QuantizerOptions quantizer;
@@ -24,7 +31,8 @@ struct EffortSettings {
     bool balance = true;        // tiles keep the mean of their texels
     bool quick = false;         // small samples, and estimates to choose tiles' shape
     int copy_rounds = 1;        // of the search for blocks that copy
-    int refinements = 1;        // rounds of splitting and merging at real costs
+    PictureSearch pictures;
+    int refinements = 1; // rounds of splitting and merging at real costs
 
     // Precondition: effort is 0..most_effort (codec/encoder.h).
     static EffortSettings of(int effort, const ToolSwitches& tools = {});

@@ -98,13 +98,14 @@ const std::vector<std::size_t>& LevelBalance::pay(const Means& error, const Tile
 }
 
 // What one more of a block's first level in a plane adds to the sums of the channels.
-std::array<float, max_planes> LevelBalance::change_by_one(int colour, std::size_t plane,
-                                                          float texels) const {
-    const bool rotated = colour != 0 && plane < 3;
+std::array<float, max_planes> LevelBalance::change_by_one(const BlockColour& colour,
+                                                          std::size_t plane, float texels) const {
+    const bool coloured = !colour.is_plain() && plane < 3;
+    const bool rotated = colour.is_rotated() && plane < 3;
     const double step = step_of(rotated, plane);
     Means planes{};
-    if (rotated) {
-        const RotationMatrix& axes = rotation_matrix(colour - 1);
+    if (coloured) {
+        const RotationMatrix axes = colour_matrix(colour);
         for (std::size_t i = 0; i < 3; ++i)
             planes[i] = step * axes[i][plane] / (1 << rotation_bits);
     } else {
@@ -128,7 +129,7 @@ void LevelBalance::find_moves(const Means& debt, const TileTexels& texels, const
             static_cast<float>(count_that_matter(tile.blocks[block], tile.shape, texels));
         const float per_level = matter / std::sqrt(static_cast<float>(shape.texels()));
         for (int plane = 0; plane < planes; ++plane) {
-            const int colour = tile.colours[block];
+            const BlockColour colour = tile.colours[block];
             Move move{.plane = static_cast<std::uint32_t>(block * planes + plane),
                       .by = 0,
                       .change = change_by_one(colour, plane, per_level)};
@@ -141,7 +142,7 @@ void LevelBalance::find_moves(const Means& debt, const TileTexels& texels, const
             const PlaneLevels& levels = tile.planes[move.plane];
             const std::int32_t before = first_level(tile, levels), after = before + move.by;
             // The first plane of a rotated block must not become empty.
-            if (after == 0 && colour != 0 && plane == 0 && levels.count == 1)
+            if (after == 0 && !colour.is_plain() && plane == 0 && levels.count == 1)
                 continue;
             const double gain = std::fabs(along) - square(move.change) / 2;
             if (gain <= 0 || std::abs(after) > max_level)
@@ -161,7 +162,7 @@ float LevelBalance::cost_of(const TileLevels& tile, std::size_t block, int plane
                             std::int32_t level) const {
     const BlockShape& shape = tile.blocks[block].shape;
     const PlaneLevels* const own = &tile.planes[block * coding_->planes];
-    const bool rotated = tile.colours[block] != 0 && plane < 3;
+    const bool rotated = tile.colours[block].is_rotated() && plane < 3;
     const int p_class = plane_class(plane);
     const std::int32_t magnitude = std::abs(level);
     const auto& offsets = coding_->parameters.offsets[p_class];

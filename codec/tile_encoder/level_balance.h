@@ -51,7 +51,8 @@ private:
         return rotated ? rotated_step_ : step_[plane];
     }
     void find_moves(const Means& debt, const TileTexels& texels, const TileLevels& tile);
-    std::array<float, max_planes> change_by_one(int colour, std::size_t plane, float texels) const;
+    std::array<float, max_planes> change_by_one(const BlockColour& colour, std::size_t plane,
+                                                float texels) const;
     float cost_of(const TileLevels& tile, std::size_t block, int plane, std::int32_t level) const;
     void apply(TileLevels& tile);
 

@@ -1,5 +1,6 @@
 #include "codec/tile_encoder/source_tile.h"
 
+#include "codec/reconstruct/border_prediction.h"
 #include "codec/reconstruct/copy_prediction.h"
 #include "codec/search_kernels/forward_dct.h"
 
@@ -57,8 +58,13 @@ bool SourceTile::set_texels(std::span<const std::byte> texels, const ColourCodin
 void SourceTile::difference(const Block& block, const BlockPrediction& prediction, int plane,
                             const TilePlanes& reconstructed, float* to) {
     const auto& n = block.shape.n;
-    const bool copies = prediction.copies();
-    if (copies)
+    const bool is_predicted = prediction.is_predicted();
+    if (prediction.mode != mode_none) {
+        predicted_.resize(
+            std::max(predicted_.size(), static_cast<std::size_t>(block.shape.texels())));
+        predict_from_border(block, prediction.mode, shape_, reconstructed.plane[plane],
+                            reconstructed.done, predicted_.data());
+    } else if (is_predicted)
         predict_plane(block, prediction, *coding_, reconstructed, plane, predicted_);
     const int image = n[0] * n[1];
     for (int t = 0; t < n[3]; ++t)
@@ -66,7 +72,7 @@ void SourceTile::difference(const Block& block, const BlockPrediction& predictio
             const float* from =
                 planes_[plane].data() + plane_index(shape_, block.origin[0], block.origin[1],
                                                     block.origin[2] + s, block.origin[3] + t);
-            if (copies)
+            if (is_predicted)
                 search_kernels().subtract_predicted(from, shape_.n[0],
                                                     predicted_.data() + (t * n[2] + s) * image,
                                                     codes_, n[1], n[0], to);
@@ -77,11 +83,12 @@ void SourceTile::difference(const Block& block, const BlockPrediction& predictio
 }
 
 void SourceTile::transform(const Block& block, const BlockPrediction& prediction,
-                           const TilePlanes& reconstructed, BlockCoefficients& out) {
+                           const TilePlanes& reconstructed, BlockCoefficients& out, int planes) {
     out.shape = block.shape;
     out.copies = prediction.copies();
+    out.is_predicted = prediction.is_predicted();
     const auto texels = static_cast<std::size_t>(block.shape.texels());
-    for (int p = 0; p < coding_->planes; ++p) {
+    for (int p = 0; p < planes; ++p) {
         std::vector<float>& x = out.plane[p];
         // Both buffers only grow, because they are swapped below and growing clears memory.
         x.resize(std::max(x.size(), texels));

@@ -34,9 +34,9 @@ public:
     // Writes one plane of a block, less what it copies of `reconstructed`, dense in block order.
     void difference(const Block& block, const BlockPrediction& prediction, int plane,
                     const TilePlanes& reconstructed, float* to);
-    // The coefficients of that, in all planes.
+    // The coefficients of that, in the first `planes` planes.
     void transform(const Block& block, const BlockPrediction& prediction,
-                   const TilePlanes& reconstructed, BlockCoefficients& out);
+                   const TilePlanes& reconstructed, BlockCoefficients& out, int planes);
 
 private:
     const TileCoding* coding_;

@@ -116,6 +116,10 @@ float TileEncoder::encode_planes(TileLevels& out) {
 // every bit.
 float TileEncoder::encode_taken(bool is_whole, TileLevels& out) {
     const bool copies = coding_->predicts && settings_->search.copies.along != 0;
+    if (copies && is_picture(planes_.shape)) {
+        tree_.begin_tile(false, true);
+        return tree_.encode_picture({.shape = planes_.shape}, out);
+    }
     tree_.begin_tile(copies, copies || !is_whole);
     tree_.search.choose_blocks(out);
     float cost = tree_.encode_plain(out, &level_balance_);
@@ -187,9 +191,8 @@ void TileEncoder::try_base(TileLevels& out, float& cost) {
 void TileEncoder::encode_base(const TilePlanes& picture) {
     CodedBase& base = tree_.base;
     base_tree_.search.set_tile(picture);
-    base_tree_.search.choose_blocks(base.levels);
     base_tree_.begin_tile(false, true);
-    base_tree_.encode_plain(base.levels, nullptr);
+    base_tree_.encode_picture(base_root(picture.shape), base.levels);
     base_bytes_.clear();
     encode_levels(base.levels, {}, *coding_, base_bytes_);
     base.cost = settings_->quantizer.lambda * 8 * static_cast<float>(base_bytes_.size());

@@ -1,6 +1,7 @@
 #include "codec/tile_encoder/tree_encoder.h"
 
 #include "codec/tile_encoder/base_picture.h"
+#include "codec/tile_encoder/picture_encoder.h"
 
 #include <algorithm>
 #include <utility>
@@ -41,7 +42,7 @@ void sort_levels(TileLevels& tile) {
 } // namespace
 
 float TreeEncoder::encode_plain(TileLevels& out, LevelBalance* balance) {
-    blocks_.last_rotation = 1;
+    blocks_.memory = {};
     if (balance != nullptr)
         balance->begin();
     float cost = 0;
@@ -58,8 +59,8 @@ float TreeEncoder::encode_copies(TileLevels& out, Refinement* refinement) {
     out.order = limit_copy_depths(out.shape, out.blocks, out.predictions).order;
     const auto planes = static_cast<std::size_t>(coding_->planes);
     out.planes.assign(out.blocks.size() * planes, {});
-    out.colours.assign(out.blocks.size(), 0);
-    blocks_.last_rotation = 1;
+    out.colours.assign(out.blocks.size(), {});
+    blocks_.memory = {};
     decoded.resize(out.shape, coding_->planes);
     float cost = 0;
     for (const std::uint16_t i : out.order) {
@@ -81,12 +82,12 @@ float TreeEncoder::encode_copies(TileLevels& out, Refinement* refinement) {
 // Codes one block into trial_, with its prediction or, if that costs less, without it.
 float TreeEncoder::encode_best(const Block& block, BlockPrediction& prediction) {
     trial_.clear();
-    const int rotation_before = blocks_.last_rotation;
+    const ColourMemory memory_before = blocks_.memory;
     const float chosen = blocks_.encode(search, block, prediction, decoded, trial_);
     if (!prediction.copies())
         return chosen;
     const float copied = chosen + bits_cost(usual_prediction_bits);
-    const int rotation_after = std::exchange(blocks_.last_rotation, rotation_before);
+    const ColourMemory memory_after = std::exchange(blocks_.memory, memory_before);
     other_trial_.clear();
     const float own = blocks_.encode(search, block, {}, decoded, other_trial_, copied);
     if (own < copied) {
@@ -94,8 +95,13 @@ float TreeEncoder::encode_best(const Block& block, BlockPrediction& prediction) 
         prediction = {};
         return own;
     }
-    blocks_.last_rotation = rotation_after;
+    blocks_.memory = memory_after;
     return copied;
+}
+
+float TreeEncoder::encode_picture(const Block& root, TileLevels& out) {
+    return PictureEncoder(*coding_, *costs_, *settings_, search, blocks_, scratch_, decoded)
+        .encode(root, out);
 }
 
 bool TreeEncoder::refine(TileLevels& out, float& cost) {
@@ -130,7 +136,7 @@ bool TreeEncoder::refine(TileLevels& out, float& cost) {
 void TreeEncoder::consider_edits(const TileLevels& tile, std::size_t block, float cost,
                                  Refinement& out) {
     std::swap(trial_, kept_trial_);
-    const int rotation = blocks_.last_rotation;
+    const ColourMemory memory = blocks_.memory;
     const auto& n = tile.blocks[block].shape.n;
     const bool is_zero = kept_trial_.nonzeros.empty();
     float least = cost;
@@ -146,7 +152,7 @@ void TreeEncoder::consider_edits(const TileLevels& tile, std::size_t block, floa
         if (block + 1 == siblings->end() && !out.are_blank)
             consider_merge(tile, *siblings, out);
     }
-    blocks_.last_rotation = rotation;
+    blocks_.memory = memory;
     std::swap(trial_, kept_trial_);
 }
 
@@ -191,6 +197,7 @@ void TreeEncoder::encode_again(const TileLevels& tile, TilePlanes& result, MeanD
     out = tile;
     out.nonzeros.clear();
     out.planes.resize(tile.blocks.size() * planes);
+    result.done.reset();
     for (std::size_t k = 0; k < tile.blocks.size(); ++k) {
         const std::size_t i = tile.order.empty() ? k : tile.order[k];
         if (i < tile.base_blocks) {

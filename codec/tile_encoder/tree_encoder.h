@@ -24,8 +24,8 @@ class TreeEncoder {
 public:
     // All outlive this.
     TreeEncoder(const TileCoding& coding, const BitCosts& costs, const EffortSettings& settings)
-        : search(coding, costs, settings.search), coding_(&coding), settings_(&settings),
-          blocks_(coding, costs, settings) {}
+        : search(coding, costs, settings.search), coding_(&coding), costs_(&costs),
+          settings_(&settings), blocks_(coding, costs, settings) {}
 
     // Forgets the tile before; see BlockEncoder::begin_tile. `search` has the new one.
     void begin_tile(bool keeps, bool compares) {
@@ -39,6 +39,9 @@ public:
     // Replaces the levels of a tree whose blocks may copy, each from what the decoder will have,
     // and drops predictions that do not pay. Leaves the tile in `decoded`. Returns its cost.
     float encode_copies(TileLevels& out) { return encode_copies(out, nullptr); }
+    // Replaces the levels of a picture by those of a tree that is searched here, in which blocks are
+    // predicted from their borders. Leaves the picture in `decoded`. Returns its cost.
+    float encode_picture(const Block& root, TileLevels& out);
     // Codes each block's quarters and each parent of leaves beside it, and edits the tree where
     // these cost less. False if nothing is gained.
     bool refine(TileLevels& out, float& cost);
@@ -77,6 +80,7 @@ private:
     float bits_cost(float bits) const { return settings_->quantizer.lambda * bits; }
 
     const TileCoding* coding_;
+    const BitCosts* costs_;
     const EffortSettings* settings_;
     BlockEncoder blocks_;
     ReconstructScratch scratch_;

@@ -128,7 +128,7 @@ Result<CodingParameters> FileChoices::prepare(CodingParameters parameters) {
     plan.effort = plan.effort.for_samples();
     if (is_decided() && !plan.effort.try_dense && !plan.colour.corrections) {
         TESSERA_TRY_ASSIGN(const Statistics counts, count_symbols(plan, parameters, sample_));
-        tables_ = parameters.parameters = fit_parameters(counts);
+        tables_ = parameters.parameters = fit_parameters(counts, parameters.defaults);
         return parameters;
     }
     FilterStatistics statistics;
@@ -159,7 +159,7 @@ Result<CodingParameters> FileChoices::prepare(CodingParameters parameters) {
     if (!fits_tables)
         return parameters;
     if (tables_) {
-        parameters.parameters = fit_parameters(trained.totals.statistics);
+        parameters.parameters = fit_parameters(trained.totals.statistics, parameters.defaults);
     } else {
         TESSERA_TRY_ASSIGN(parameters.parameters, learn_tables(plan, sample_, trained, parameters));
     }

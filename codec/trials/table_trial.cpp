@@ -27,11 +27,11 @@ Parameters overshoot(const Parameters& from, const Parameters& to) {
 // `first`.
 Result<PassResult> settle_densely(const EncodePlan& plan, CodingParameters parameters,
                                   const Sample& sample, const PassResult& first) {
-    parameters.parameters = dense_parameters();
+    parameters.parameters = dense_parameters(parameters.defaults);
     for (int round = 0; round < settling_rounds; ++round) {
         TESSERA_TRY_ASSIGN(const Statistics counts,
                            count_symbols(plan, parameters, sample, first.trees));
-        const Parameters fitted = fit_parameters(counts);
+        const Parameters fitted = fit_parameters(counts, parameters.defaults);
         parameters.parameters =
             round < hasty_rounds ? overshoot(parameters.parameters, fitted) : fitted;
     }
@@ -42,7 +42,7 @@ Result<PassResult> settle_densely(const EncodePlan& plan, CodingParameters param
 
 Result<Parameters> learn_tables(const EncodePlan& plan, const Sample& sample,
                                 const PassResult& first, CodingParameters parameters) {
-    const Parameters usual = fit_parameters(first.totals.statistics);
+    const Parameters usual = fit_parameters(first.totals.statistics, parameters.defaults);
     const double bits = 8.0 * static_cast<double>(first.payload_bytes());
     if (!plan.effort.try_dense || !parameters.dependent ||
         bits < dense_bits_per_texel * static_cast<double>(sample.texel_count()))
@@ -51,7 +51,7 @@ Result<Parameters> learn_tables(const EncodePlan& plan, const Sample& sample,
     TESSERA_TRY_ASSIGN(const PassResult sparse, run_pass_as(plan, parameters, sample, first.trees));
     TESSERA_TRY_ASSIGN(const PassResult dense, settle_densely(plan, parameters, sample, first));
     const bool is_dense = lagrangian_cost(plan, dense) < lagrangian_cost(plan, sparse);
-    return fit_parameters((is_dense ? dense : sparse).totals.statistics);
+    return fit_parameters((is_dense ? dense : sparse).totals.statistics, parameters.defaults);
 }
 
 } // namespace tessera

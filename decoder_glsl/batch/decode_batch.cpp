@@ -23,7 +23,7 @@ std::uint32_t levels_bound(std::size_t bytes) {
 BlockShape shape_of(const Box4& box) {
     BlockShape shape;
     for (std::size_t axis = 0; axis < 4; ++axis)
-        shape.n[axis] = static_cast<std::uint8_t>(box.extent()[axis]);
+        shape.n[axis] = static_cast<std::uint16_t>(box.extent()[axis]);
     return shape;
 }
 
@@ -43,8 +43,8 @@ std::uint32_t* append_record(std::vector<std::uint32_t>& words, int count) {
 
 } // namespace
 
-BatchBuilder::BatchBuilder(const DecodeTables& tables, const TileGrid& grid,
-                           const BatchLimits& limits, const TexelPlan& plan)
+BatchBuilder::BatchBuilder(DecodeTables& tables, const TileGrid& grid, const BatchLimits& limits,
+                           const TexelPlan& plan)
     : tables_(tables), grid_(grid), limits_(limits), plan_(plan) {}
 
 BatchBuilder::Size BatchBuilder::empty_size() {
@@ -75,7 +75,7 @@ BatchBuilder::Size BatchBuilder::size_of(const Entry& entry, std::size_t bytes,
             .coefficients = raw,
             .words = tsr_tile_words + parts.segments.size() * tsr_segment_words +
                      parts.corrections.size() * tsr_correction_words + raw / tsr_raw_chunk +
-                     tree.copies.size() + (bytes + 3) / 4};
+                     tree.copies.size() + tree.borders.size() + (bytes + 3) / 4};
 }
 
 BatchBuilder::Entry BatchBuilder::entry_of(std::span<const std::byte> payload,
@@ -119,6 +119,12 @@ bool BatchBuilder::add(std::uint64_t tile, std::span<const std::byte> payload,
         (content_.tiles.size() >= limits_.tiles || after.work_words > limits_.work_words ||
          after.coefficients > limits_.coefficients || after.words > limits_.words))
         return false;
+    if (!tables_.add_scans(entry.tree.shapes)) {
+        if (!empty())
+            return false; // the tiles before it need the tables that are there
+        tables_.forget_scans();
+        tables_.add_scans(entry.tree.shapes);
+    }
     content_.size = after;
     if (!entry.is_sound)
         content_.damaged.push_back(tile);
@@ -197,7 +203,10 @@ void BatchBuilder::add_tile(const Entry& entry, std::span<const std::byte> paylo
     record[tsr_tile_values] = values > 0 ? c.values : tsr_none;
     record[tsr_tile_base] = tree.base ? tables_.shape_id(*tree.base) : tsr_none;
     record[tsr_tile_stored] = entry.is_stored ? byte_of(payload, payload) : tsr_none;
+    record[tsr_tile_borders] =
+        tree.borders.empty() ? tsr_none : static_cast<std::uint32_t>(c.border_words.size());
     add_segments(entry, payload);
+    c.border_words.insert(c.border_words.end(), tree.borders.begin(), tree.borders.end());
     c.copy_words.insert(c.copy_words.end(), tree.copies.begin(), tree.copies.end());
     c.values += values;
     c.waves = std::max(c.waves, tree.waves);
@@ -245,6 +254,7 @@ DecodeBatch BatchBuilder::finish() {
     batch.corrections = count_of(c.correction_words.size(), tsr_correction_words);
     batch.waves = c.waves;
     batch.predicted = !c.copy_words.empty();
+    batch.borders = !c.border_words.empty();
     batch.most_texels = c.most_texels;
     batch.coefficients = c.raw;
 
@@ -259,6 +269,7 @@ DecodeBatch BatchBuilder::finish() {
     append(tsr_b_raw_chunk_at, c.chunk_words);
     append(tsr_b_correction_at, c.correction_words);
     append(tsr_b_copies_at, c.copy_words);
+    append(tsr_b_borders_at, c.border_words);
     append(tsr_b_payload_at, {});
     words.resize(words.size() + c.payloads.size() / 4);
     if (!c.payloads.empty())

@@ -45,7 +45,8 @@ struct DecodeBatch {
     std::uint32_t corrections = 0;   // streams
     std::uint32_t waves = 1;         // of items.comp and texels.comp: largest depth of copies + 1
     std::uint32_t most_texels = 0;   // of one tile
-    bool predicted = false;          // a tile copies, or has a base picture
+    bool predicted = false;          // a tile is predicted
+    bool borders = false;            // a tile is predicted from borders of blocks
     std::uint64_t work_words = 0;    // size of the work buffer
     std::uint64_t coefficients = 0;  // size of the coefficient buffer, 16 bytes each
 };
@@ -53,7 +54,9 @@ struct DecodeBatch {
 // Collects tiles until a limit is reached.
 class BatchBuilder {
 public:
-    BatchBuilder(const DecodeTables& tables, const TileGrid& grid, const BatchLimits& limits,
+    // add() gives `tables` the scan tables that the tile needs, and lets it forget others if the
+    // batch is empty. So unless they are unbounded, a batch must be decoded before the next add().
+    BatchBuilder(DecodeTables& tables, const TileGrid& grid, const BatchLimits& limits,
                  const TexelPlan& plan);
 
     // Returns false if the batch is full: finish() must then come first. An empty batch takes any
@@ -87,7 +90,7 @@ private:
                           std::span<const std::byte> part) const;
     void put_header(DecodeBatch& batch) const;
 
-    const DecodeTables& tables_;
+    DecodeTables& tables_;
     const TileGrid& grid_;
     const BatchLimits limits_;
     const TexelPlan plan_;
@@ -97,7 +100,7 @@ private:
         Size size = empty_size();
         std::vector<std::uint64_t> tiles, damaged;
         std::vector<std::uint32_t> tile_words, segment_words, correction_words, chunk_words,
-            copy_words;
+            copy_words, border_words;
         std::vector<std::byte> payloads;
         std::uint32_t raw = 0;         // levels, a multiple of tsr_raw_chunk
         std::uint32_t multipliers = 0; // words

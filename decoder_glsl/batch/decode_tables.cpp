@@ -5,6 +5,8 @@
 #include "format/container/file_coding.h"
 #include "format/container/syntax.h"
 #include "format/samples.h"
+#include "format/tile/block_colour.h"
+#include "format/tile/border_mode.h"
 #include "format/tile/code_tables.h"
 #include "format/tile/coding_parameters.h"
 #include "format/tile/colour_rotation.h"
@@ -23,10 +25,12 @@ using Words = std::vector<std::uint32_t>;
 
 static_assert(tsr_max_blocks == max_leaves && tsr_max_work == max_segment_work &&
               tsr_max_coded == max_coded_length && tsr_max_tile_texels == max_tile_texels &&
-              tsr_max_spatial_side == max_tile_side && tsr_max_base_side == max_base_side &&
-              tsr_max_angular_side == max_angular_side && tsr_max_frequencies == max_frequencies &&
-              tsr_correction_chunk == correction_chunk && tsr_rotations == rotation_count &&
-              tsr_base_taps == base_taps);
+              tsr_max_tile_side == max_tile_side && tsr_max_block_side == max_block_side &&
+              tsr_max_base_side == max_base_side && tsr_max_angular_side == max_angular_side &&
+              tsr_max_frequencies == max_frequencies && tsr_correction_chunk == correction_chunk &&
+              tsr_rotations == rotation_count && tsr_base_taps == base_taps &&
+              tsr_most_share == most_share && tsr_directions == border_directions &&
+              tsr_mode_contexts == mode_contexts);
 static_assert(tsr_depth_classes == depth_classes && tsr_size_classes == size_classes &&
               tsr_neighbour_classes == neighbour_classes && tsr_cross_classes == cross_classes &&
               tsr_zero_positions == zero_positions && tsr_magnitude_tables == magnitude_tables &&
@@ -54,7 +58,7 @@ void put_symbols(const SymbolTable<symbols>& table, Words& words, int at, int co
 // Writes a list of tables, which must fill the words from `begin` to `end`.
 template <int begin, int end, int symbols, std::size_t count>
 void put_list(std::span<const SymbolTable<symbols>, count> list, Words& words) {
-    constexpr int each = symbols <= 3 ? 1 : tsr_symbol_words;
+    constexpr int each = symbols <= 3 ? 1 : symbols <= 5 ? tsr_symbol5_words : tsr_symbol_words;
     static_assert(symbols - 1 <= 2 * each && int{count} * each == end - begin);
     int at = begin;
     for (const auto& table : list) {
@@ -71,12 +75,15 @@ void put_code_tables(const CodeTables& tables, Words& words) {
     put_list<tsr_t_copying_length, tsr_copying_length_end>(lengths.last<size_classes>(), words);
     put_list<tsr_t_other_length, tsr_other_length_end>(std::span(tables.other_length), words);
     put_list<tsr_t_correction, tsr_correction_end>(std::span(tables.correction), words);
-    static_assert(tsr_split_end - tsr_t_split == depth_classes * depth_classes);
     int at = tsr_t_split;
     for (const auto& row : tables.split)
-        for (const auto& table : row)
-            put_symbols(table, words, at++, 1);
+        for (const auto& table : row) {
+            put_symbols(table, words, at, tsr_symbol5_words);
+            at += tsr_symbol5_words;
+        }
     put_list<tsr_t_kind, tsr_kind_end>(std::span(tables.colour), words);
+    put_list<tsr_t_share, tsr_share_end>(std::span(tables.share), words);
+    put_list<tsr_t_mode, tsr_mode_end>(std::span(tables.mode), words);
     put_list<tsr_t_prediction, tsr_prediction_end>(std::span(tables.prediction), words);
     put_list<tsr_t_displacement_kind, tsr_displacement_kind_end>(
         std::span(tables.displacement_kind), words);
@@ -97,8 +104,12 @@ void put_transform_tables(Words& words) {
     for (const auto& taps : base_filter)
         for (const std::int8_t tap : taps)
             words[at++] = signed_word(tap);
+    at = tsr_t_direction;
+    for (int k = 0; k < border_directions; ++k)
+        words[at++] =
+            (signed_word(direction_slope(k)) & 0xFFFFu) | signed_word(direction_inverse(k)) << 16;
     at = tsr_t_basis; // and on into tsr_t_wide_basis
-    for (int n = 1; n <= max_tile_side; ++n)
+    for (int n = 1; n <= max_block_side; ++n)
         for (int i = 0; i < std::min(n, max_frequencies) * n; ++i)
             words[at++] = signed_word(basis(n)[i]);
 }
@@ -179,12 +190,22 @@ void put_scales(const BlockShape& shape, const CodingParameters& coding, SampleT
     }
 }
 
+// Entries of a shape's scan table.
+std::size_t coded_frequencies(const BlockShape& shape) {
+    std::size_t count = 1;
+    for (const int n : shape.n)
+        count *= static_cast<std::size_t>(std::min(n, max_frequencies));
+    return std::min<std::size_t>(count, max_coded_length);
+}
+
+constexpr std::array block_splits = {Split::spatial, Split::angular, Split::u, Split::v};
+
 } // namespace
 
 void DecodeTables::add_subtree(const BlockShape& shape) {
     if (!ids_.try_emplace(shape, static_cast<std::uint32_t>(ids_.size())).second)
         return;
-    for (const Split split : {Split::spatial, Split::angular})
+    for (const Split split : block_splits)
         if (can_split(shape, split)) {
             const Children children = children_of(Block{{0, 0, 0, 0}, shape, 0, 0}, split);
             for (int i = 0; i < children.count; ++i)
@@ -194,11 +215,11 @@ void DecodeTables::add_subtree(const BlockShape& shape) {
 
 void DecodeTables::add_shapes(const TileGrid& grid) {
     // Along an axis, tiles have at most two extents, which differ by one.
-    std::array<std::set<std::uint8_t>, 4> sides;
+    std::array<std::set<std::uint16_t>, 4> sides;
     for (std::size_t axis = 0; axis < 4; ++axis)
         for (std::uint64_t i = 0; i < grid.count()[axis]; ++i) {
             const std::uint64_t n = grid.count()[axis], size = grid.size()[axis];
-            sides[axis].insert(static_cast<std::uint8_t>((i + 1) * size / n - i * size / n));
+            sides[axis].insert(static_cast<std::uint16_t>((i + 1) * size / n - i * size / n));
             if (sides[axis].size() == 2)
                 break;
         }
@@ -214,7 +235,8 @@ void DecodeTables::add_shapes(const TileGrid& grid) {
 }
 
 void DecodeTables::put_children(const BlockShape& shape, std::uint32_t* record) const {
-    for (const Split split : {Split::spatial, Split::angular}) {
+    std::uint32_t* words = record + tsr_s_children;
+    for (const Split split : block_splits) {
         std::array<std::uint32_t, 4> ids{0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF};
         if (can_split(shape, split)) {
             const Children children = children_of(Block{{0, 0, 0, 0}, shape, 0, 0}, split);
@@ -222,32 +244,69 @@ void DecodeTables::put_children(const BlockShape& shape, std::uint32_t* record) 
                 ids[static_cast<std::size_t>(i)] =
                     ids_.at(children.block[static_cast<std::size_t>(i)].shape);
         }
-        std::uint32_t* words = record + tsr_s_children + (split == Split::spatial ? 0 : 2);
-        words[0] = ids[0] | (ids[1] << 16);
-        words[1] = ids[2] | (ids[3] << 16);
+        *words++ = ids[0] | (ids[1] << 16);
+        if (split == Split::spatial || split == Split::angular)
+            *words++ = ids[2] | (ids[3] << 16);
     }
 }
 
-void DecodeTables::add_shape(const BlockShape& shape, std::uint32_t id,
-                             const CodingParameters& coding, SampleType type) {
-    const std::size_t scan_at = words_.size();
-    if (!is_too_large(shape)) // a base picture may be larger than a block
-        append_scan(make_scan_order(shape, coding.scan_weights), words_);
+void DecodeTables::add_shape(const BlockShape& shape, std::uint32_t id, SampleType type) {
     std::uint32_t* record = words_.data() + tsr_t_end + std::size_t{id} * tsr_shape_words;
     const auto& n = shape.n;
-    record[tsr_s_sides] = n[0] | (std::uint32_t{n[1]} << 8) | (std::uint32_t{n[2]} << 16) |
-                          (std::uint32_t{n[3]} << 24);
-    record[tsr_s_scan] = static_cast<std::uint32_t>(scan_at);
-    record[tsr_s_coded] = static_cast<std::uint32_t>((words_.size() - scan_at) / tsr_scan_words);
+    record[tsr_s_sides] = std::uint32_t{n[0]} | (std::uint32_t{n[1]} << 9) |
+                          (std::uint32_t{n[2]} << 18) | (std::uint32_t{n[3]} << 24);
     record[tsr_s_size_class] = static_cast<std::uint32_t>(size_class(shape));
-    put_scales(shape, coding, type, record);
+    put_scales(shape, coding_, type, record);
     put_children(shape, record);
 }
 
-Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
+bool DecodeTables::add_scans(std::span<const BlockShape> shapes) {
+    for (const BlockShape& shape : shapes) {
+        const std::size_t record = tsr_t_end + std::size_t{shape_id(shape)} * tsr_shape_words;
+        if (words_[record + tsr_s_scan] != 0)
+            continue;
+        const ScanOrder order = make_scan_order(shape, coding_.scan_weights);
+        const std::size_t at = words_.size();
+        if (most_words_ != 0 && order.entry.size() > (most_words_ - at) / tsr_scan_words)
+            return false;
+        append_scan(order, words_);
+        words_[record + tsr_s_scan] = static_cast<std::uint32_t>(at);
+        words_[record + tsr_s_coded] = static_cast<std::uint32_t>(order.entry.size());
+    }
+    return true;
+}
+
+void DecodeTables::forget_scans() {
+    words_.resize(words_before_scans());
+    for (std::size_t at = tsr_t_end; at < words_.size(); at += tsr_shape_words)
+        words_[at + tsr_s_scan] = words_[at + tsr_s_coded] = 0;
+    ++generation_;
+}
+
+std::size_t DecodeTables::words_before_scans() const {
+    return tsr_t_end + ids_.size() * tsr_shape_words;
+}
+
+// The most words of scan tables that are worth having, and enough for any tile: its blocks have no
+// more coefficients than texels.
+std::size_t DecodeTables::room_for_scans(const TileGrid& grid) const {
+    constexpr std::size_t enough = (std::size_t{2} << 20) / 4;
+    std::size_t all = 0;
+    for (const auto& [shape, id] : ids_)
+        if (!is_too_large(shape))
+            all += coded_frequencies(shape) * tsr_scan_words;
+    const std::size_t base = base_.on ? max_base_side * max_base_side : 0;
+    std::size_t texels = 1;
+    for (const std::uint32_t side : grid.tile_extent())
+        texels *= side;
+    return std::min(all, std::max(enough, (texels + base) * tsr_scan_words));
+}
+
+Result<DecodeTables> DecodeTables::make(const ContainerReader& reader, ScanMemory memory) {
     const FileHeader& header = reader.header();
     TESSERA_TRY_ASSIGN(const auto coding, coding_of(reader).with_context(reader.name()));
     DecodeTables tables;
+    tables.coding_ = coding;
     tables.planes_ = header.desc.channels;
     tables.has_corrections_ = (header.required_features & feature_corrections) != 0;
     tables.has_stored_tiles_ = (header.required_features & feature_stored) != 0;
@@ -268,13 +327,10 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader) {
     put_code_tables(*tables.code_tables_, words);
     put_transform_tables(words);
     words[tsr_t_shapes] = tsr_t_end;
-    constexpr std::size_t most_words = (std::size_t{128} << 20) / 4;
-    for (const auto& [shape, id] : tables.ids_) {
-        tables.add_shape(shape, id, coding, header.desc.type);
-        if (words.size() > most_words)
-            return Status{ErrorCode::unsupported,
-                          reader.name() + ": the GPU decoder needs tables of more than 128 MiB"};
-    }
+    for (const auto& [shape, id] : tables.ids_)
+        tables.add_shape(shape, id, header.desc.type);
+    if (memory == ScanMemory::bounded)
+        tables.most_words_ = words.size() + tables.room_for_scans(reader.grid());
     return tables;
 }
 

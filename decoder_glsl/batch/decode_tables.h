@@ -7,6 +7,7 @@
 #include "format/tile/code_tables.h"
 #include "format/tile/coding_parameters.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -15,16 +16,33 @@
 
 namespace tessera {
 
-// Immutable, so thread-safe.
+// How much memory scan tables may take: what the largest tile can need, or 2 MiB if that is less; or
+// what all tiles need that are added.
+enum class ScanMemory { bounded, unbounded };
+
+// Not thread-safe: add_scans() and forget_scans() change words.
 class DecodeTables {
 public:
-    // Reads section CODE and computes the scan tables of every block shape that tiles of the file
-    // can split into: 36 shapes and 2 MB if all tiles have one shape, at most 672 shapes and some
-    // 15 MB. Errors: invalid_file (section CODE); unsupported (more than tsr_max_shapes shapes,
-    // tables above 128 MiB).
-    static Result<DecodeTables> make(const ContainerReader& reader);
+    // Reads section CODE and makes a record of every block shape that tiles of the file can split
+    // into, hundreds if all tiles have one shape. Their scan tables, of up to 128 KiB each, could
+    // take tens of MB, so add_scans() makes those that tiles need. Errors: invalid_file (section
+    // CODE); unsupported (more than tsr_max_shapes shapes).
+    static Result<DecodeTables> make(const ContainerReader& reader,
+                                     ScanMemory memory = ScanMemory::bounded);
+
+    // Makes the scan tables of block shapes, as far as they do not exist. Returns false if there is
+    // no room for all of them, which cannot happen for the blocks of one tile after
+    // forget_scans(). Appends words, and changes records of shapes.
+    bool add_scans(std::span<const BlockShape> shapes);
+    void forget_scans();
 
     std::span<const std::uint32_t> words() const { return words_; }
+    // The number of words before the scan tables. The other words of a generation never change.
+    std::size_t words_before_scans() const;
+    unsigned generation() const { return generation_; } // number of calls of forget_scans()
+    // What words().size() never exceeds; with unbounded memory, what it is now.
+    std::size_t most_words() const { return std::max(words_.size(), most_words_); }
+
     // `shape`: of a tile of the file's grid, or of its base picture.
     std::uint32_t shape_id(const BlockShape& shape) const { return ids_.at(shape); }
     unsigned planes() const { return planes_; }
@@ -42,13 +60,16 @@ public:
 
 private:
     void add_shapes(const TileGrid& grid);
+    std::size_t room_for_scans(const TileGrid& grid) const; // words
     void add_subtree(const BlockShape& shape);
-    void add_shape(const BlockShape& shape, std::uint32_t id, const CodingParameters& coding,
-                   SampleType type);
+    void add_shape(const BlockShape& shape, std::uint32_t id, SampleType type);
     void put_children(const BlockShape& shape, std::uint32_t* record) const;
 
     std::vector<std::uint32_t> words_;
+    std::size_t most_words_ = 0; // 0: unbounded
+    unsigned generation_ = 0;
     std::map<BlockShape, std::uint32_t> ids_;
+    CodingParameters coding_;
     std::unique_ptr<const CodeTables> code_tables_;
     unsigned planes_ = 0;
     BasePictures base_;

@@ -1,5 +1,5 @@
 // The size of a tile's split tree, from which the host computes the sizes of the device's buffers,
-// and what its blocks copy. Decoding a tree on the CPU takes about a microsecond.
+// and how its blocks are predicted. Decoding a tree on the CPU takes about a microsecond.
 #pragma once
 
 #include "format/tile/base_picture.h"
@@ -16,11 +16,13 @@ namespace tessera {
 
 struct TreeSize {
     std::uint32_t blocks = 1;
-    std::optional<BlockShape> base{};    // shape of the tile's base picture, if it has one
-    std::uint32_t items = 1;             // upper bound of the items for texels.comp
-    std::vector<std::uint32_t> copies{}; // a copy record per block of a predicted tile; else empty
-    std::uint32_t waves = 1;             // largest depth of copies + 1
-    bool too_deep = false;               // copies are deeper than the format allows
+    std::optional<BlockShape> base{};     // shape of the tile's base picture, if it has one
+    std::uint32_t items = 1;              // upper bound of the items for texels.comp
+    std::vector<std::uint32_t> copies{};  // a copy record per block of a predicted tile; else empty
+    std::vector<std::uint32_t> borders{}; // the border list of a picture; else empty
+    std::vector<BlockShape> shapes{};     // of all blocks, some of them several times
+    std::uint32_t waves = 1;              // largest depth of copies + 1
+    bool too_deep = false;                // copies are deeper than the format allows
 };
 
 // Decodes the tree at the start of `segment`, which is a tile's first stream. A tree that the

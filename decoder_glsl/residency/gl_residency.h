@@ -52,14 +52,13 @@ void bind_sampler(const GlBuffer& parameters, const GlTexture& texels);
 class BatchFeed {
 public:
     using Flush = std::function<Status(DecodeBatch&)>;
-    BatchFeed(const TextureFile& file, const TexelPlan& plan, const BatchLimits& limits,
-              Flush flush);
+    BatchFeed(TextureFile& file, const TexelPlan& plan, const BatchLimits& limits, Flush flush);
     // Errors: io, invalid_file; unsupported (one tile alone exceeds the limits); those of `flush`.
     Status add(std::uint64_t tile, const TexelPlace& place);
     Status finish();
 
 private:
-    const TextureFile& file_;
+    TextureFile& file_;
     const BatchLimits limits_;
     BatchBuilder builder_;
     Flush flush_;

@@ -191,7 +191,7 @@ private:
         return BatchFeed(file_, plan_.texel_plan(),
                          limits_within(work_bytes_, file_.tables.keeps_values()),
                          [this, look](DecodeBatch& batch) -> Status {
-                             TESSERA_TRY(file_.decoder.decode(batch, texels_));
+                             TESSERA_TRY(file_.decoder.decode(file_.tables, batch, texels_));
                              if (!look)
                                  return {};
                              TESSERA_TRY_ASSIGN(const auto counts, file_.decoder.counts(batch));

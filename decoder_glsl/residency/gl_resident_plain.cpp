@@ -103,7 +103,7 @@ private:
     }
 
     Status decode(TextureFile& file, const DecodeBatch& batch) {
-        TESSERA_TRY(file.decoder.decode(batch, texels_));
+        TESSERA_TRY(file.decoder.decode(file.tables, batch, texels_));
         TESSERA_TRY_ASSIGN(const auto counts, file.decoder.counts(batch));
         damaged_ += batch.damaged.size();
         for (const TileCounts& tile : counts)

@@ -5,6 +5,7 @@
 #include "decoder_glsl/residency/gl_residency.h"
 #include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "decoder_glsl/shaders/shader_layout.h"
+#include "format/tile/limits.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -69,12 +70,15 @@ TextureShape decoded_shape(const ContainerReader& reader) {
 // begin at `before`. Every tile begins at a whole texel of the mip.
 void add_axis(const TileGrid& grid, std::size_t axis, unsigned mip, std::uint32_t before,
               std::vector<std::uint32_t>& words) {
+    const std::uint64_t shorter = grid.size()[axis] / grid.count()[axis];
+    static_assert(max_tile_side + max_tile_side / 2 <= tsr_axis_places);
     Extent4 tile{0, 0, 0, 0};
     for (; tile[axis] < grid.count()[axis]; ++tile[axis]) {
         const std::uint32_t extent = grid.box(tile).extent()[axis];
+        const std::uint32_t longer = extent > shorter ? 1 : 0;
         for (std::uint32_t x = 0; x << mip < extent; ++x)
             words.push_back(tile[axis] | ((before + x) << tsr_axis_place_at) |
-                            ((extent - 1) << tsr_axis_extent_at) | (mip << tsr_axis_mip_at));
+                            (longer << tsr_axis_longer_at) | (mip << tsr_axis_mip_at));
     }
 }
 
@@ -156,7 +160,7 @@ BatchLimits limits_within(std::uint64_t bytes, bool keeps_values) {
     return limits;
 }
 
-BatchFeed::BatchFeed(const TextureFile& file, const TexelPlan& plan, const BatchLimits& limits,
+BatchFeed::BatchFeed(TextureFile& file, const TexelPlan& plan, const BatchLimits& limits,
                      Flush flush)
     : file_(file), limits_(limits), builder_(file.tables, file.reader.grid(), limits, plan),
       flush_(std::move(flush)) {}

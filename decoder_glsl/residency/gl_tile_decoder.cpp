@@ -49,8 +49,11 @@ Status grow_buffer(GlBuffer& buffer, std::uint64_t bytes, BufferUse use, const s
 Result<GlTileDecoder> GlTileDecoder::create(const DecodeTables& tables, bool half) {
     GlTileDecoder d;
     d.half_ = half;
-    TESSERA_TRY_ASSIGN(d.tables_,
-                       GlBuffer::create(std::as_bytes(tables.words()), "decoder tables"));
+    TESSERA_TRY_ASSIGN(
+        d.tables_, GlBuffer::create(tables.most_words() * 4, BufferUse::upload, "decoder tables"));
+    TESSERA_TRY(d.tables_.upload(0, std::as_bytes(tables.words())));
+    d.table_words_ = tables.words().size();
+    d.table_generation_ = tables.generation();
     TESSERA_TRY(make_program(d.tree_, "tree.comp.glsl"));
     TESSERA_TRY(make_program(d.levels_, "levels.comp.glsl"));
     TESSERA_TRY(make_program(d.corrections_, "corrections.comp.glsl"));
@@ -65,6 +68,8 @@ Result<GlTileDecoder> GlTileDecoder::create(const DecodeTables& tables, bool hal
     if (tables.keeps_values())
         TESSERA_TRY(make_program(d.predicted_texels_, "texels.comp.glsl", defines));
     defines.pop_back();
+    if (tables.predicts())
+        TESSERA_TRY(make_program(d.border_, "border.comp.glsl", defines));
     d.filters_ = tables.filters();
     if (d.filters_)
         TESSERA_TRY(make_program(d.filter_, "filter.comp.glsl", defines));
@@ -79,6 +84,20 @@ void GlTileDecoder::free_work() {
     batch_ = GlBuffer();
     work_ = GlBuffer();
     coefficients_ = GlBuffer();
+}
+
+Status GlTileDecoder::upload_tables(const DecodeTables& tables) {
+    const std::span<const std::uint32_t> words = tables.words();
+    if (words.size() == table_words_ && tables.generation() == table_generation_)
+        return {};
+    const std::size_t scans_at = tables.words_before_scans();
+    const std::size_t from = tables.generation() == table_generation_ ? table_words_ : scans_at;
+    TESSERA_TRY(tables_.upload(tsr_t_end * 4,
+                               std::as_bytes(words.subspan(tsr_t_end, scans_at - tsr_t_end))));
+    TESSERA_TRY(tables_.upload(from * 4, std::as_bytes(words.subspan(from))));
+    table_words_ = words.size();
+    table_generation_ = tables.generation();
+    return {};
 }
 
 Status GlTileDecoder::upload(const DecodeBatch& batch) {
@@ -132,6 +151,11 @@ Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& t
         (batch.predicted || filters_ ? predicted_texels_ : texels_).use();
         glDispatchComputeIndirect(tsr_w_groups * 4);
         glMemoryBarrier(after_texels);
+        if (wave == 0 && batch.borders) { // the waves after it copy base pictures
+            border_.use();
+            glDispatchCompute(static_cast<std::uint32_t>(batch.tiles.size()), 1, 1);
+            glMemoryBarrier(after_texels);
+        }
     }
     if (filters_) {
         filter_.use();
@@ -143,9 +167,11 @@ Status GlTileDecoder::run_transform(const DecodeBatch& batch, const GlTexture& t
     return {};
 }
 
-Status GlTileDecoder::decode(const DecodeBatch& batch, const GlTexture& target) {
+Status GlTileDecoder::decode(const DecodeTables& tables, const DecodeBatch& batch,
+                             const GlTexture& target) {
     if (batch.tiles.empty())
         return {};
+    TESSERA_TRY(upload_tables(tables));
     TESSERA_TRY(upload(batch));
     TESSERA_TRY(grow_buffer(work_, batch.work_words * 4, BufferUse::device, "decoder work"));
     TESSERA_TRY(grow_buffer(coefficients_, std::max<std::uint64_t>(batch.coefficients, 1) * 16,

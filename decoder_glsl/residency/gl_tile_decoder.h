@@ -37,8 +37,9 @@ public:
     void set_stage_hook(StageHook hook) { hook_ = std::move(hook); }
 
     // Issues the work that decodes a batch into `target` and returns. OpenGL calls that follow see
-    // the texels. Errors: runtime (no memory), bad_argument (`target` has another format).
-    Status decode(const DecodeBatch& batch, const GlTexture& target);
+    // the texels. `tables`: those of create(), with what the batch has added to them. Errors:
+    // runtime (no memory), bad_argument (`target` has another format).
+    Status decode(const DecodeTables& tables, const DecodeBatch& batch, const GlTexture& target);
 
     // The counts of `batch`, which was decoded last. Waits for the device.
     Result<std::vector<TileCounts>> counts(const DecodeBatch& batch) const;
@@ -49,6 +50,7 @@ public:
 
 private:
     GlTileDecoder() = default;
+    Status upload_tables(const DecodeTables& tables);
     Status upload(const DecodeBatch& batch);
     void run_entropy(const DecodeBatch& batch);
     void run_order(const DecodeBatch& batch);
@@ -61,8 +63,11 @@ private:
     bool half_ = false;
     GlBuffer tables_, batch_, work_, coefficients_;
     GlProgram tree_, levels_, corrections_, order_, items_, groups_, texels_;
-    GlProgram predicted_texels_; // for files that predict or filter
-    GlProgram filter_;           // for files that filter
+    std::size_t table_words_ = 0;   // on the device
+    unsigned table_generation_ = 0; // likewise
+    GlProgram predicted_texels_;    // for files that predict or filter
+    GlProgram border_;              // for files that predict
+    GlProgram filter_;              // for files that filter
     bool filters_ = false;
     StageHook hook_;
 };

@@ -33,8 +33,8 @@ Result<Target> make_target(const ContainerReader& reader, bool half) {
     return target;
 }
 
-Result<std::vector<DecodeBatch>> make_batches(const ContainerReader& reader,
-                                              const DecodeTables& tables, const Target& target) {
+Result<std::vector<DecodeBatch>> make_batches(const ContainerReader& reader, DecodeTables& tables,
+                                              const Target& target) {
     const TileGrid& grid = reader.grid();
     BatchBuilder builder(tables, grid, {.tiles = target.texture.shape().layers}, target.plan);
     std::vector<DecodeBatch> batches;
@@ -74,15 +74,15 @@ WholeFileDecoder::~WholeFileDecoder() = default;
 
 Result<WholeFileDecoder> WholeFileDecoder::create(const ContainerReader& reader) {
     const bool half = traits_of(reader.desc().type).is_float;
-    TESSERA_TRY_ASSIGN(auto tables, DecodeTables::make(reader));
-    TESSERA_TRY_ASSIGN(auto decoder, GlTileDecoder::create(tables, half));
+    TESSERA_TRY_ASSIGN(auto tables, DecodeTables::make(reader, ScanMemory::unbounded));
     TESSERA_TRY_ASSIGN(auto target, make_target(reader, half));
     TESSERA_TRY_ASSIGN(auto batches, make_batches(reader, tables, target));
+    TESSERA_TRY_ASSIGN(auto decoder, GlTileDecoder::create(tables, half));
     auto state = std::unique_ptr<State>(
         new State{std::move(tables), std::move(decoder), std::move(target), std::move(batches)});
     // This decode also grows the buffers to the size that all batches need.
     for (const DecodeBatch& batch : state->batches) {
-        TESSERA_TRY(state->decoder.decode(batch, state->target.texture));
+        TESSERA_TRY(state->decoder.decode(state->tables, batch, state->target.texture));
         TESSERA_TRY_ASSIGN(const auto counts, state->decoder.counts(batch));
         for (const TileCounts& tile : counts) {
             if (tile.damaged != 0 || !batch.damaged.empty())
@@ -110,7 +110,7 @@ Status WholeFileDecoder::decode(const std::function<bool()>& cancelled) {
     for (const DecodeBatch& batch : state_->batches) {
         if (cancelled && cancelled())
             return {ErrorCode::runtime, "interrupted"};
-        TESSERA_TRY(state_->decoder.decode(batch, state_->target.texture));
+        TESSERA_TRY(state_->decoder.decode(state_->tables, batch, state_->target.texture));
     }
     return {};
 }

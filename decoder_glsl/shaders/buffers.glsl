@@ -8,7 +8,12 @@
 #ifndef __cplusplus
 layout(std430, binding = 0) restrict readonly buffer TesseraTables { uint tsr_tables[]; };
 layout(std430, binding = 1) restrict readonly buffer TesseraBatch { uint tsr_batch[]; };
+// Invocations of border.comp read what others of their group have written.
+#ifdef TSR_COHERENT_WORK
+layout(std430, binding = 2) coherent restrict buffer TesseraWork { uint tsr_work[]; };
+#else
 layout(std430, binding = 2) restrict buffer TesseraWork { uint tsr_work[]; };
+#endif
 layout(std430, binding = 3) restrict buffer TesseraCoefficients { uvec4 tsr_coefficients[]; };
 #define TSR_ATOMIC_ADD(index, value) atomicAdd(tsr_work[index], value)
 #define TSR_ATOMIC_OR(index, value) atomicOr(tsr_work[index], value)
@@ -26,15 +31,15 @@ uint tsr_shape(uint shape, int field) {
 // Sides along u, v, s, t, within the format's limits even for a shape that does not exist.
 ivec4 tsr_sides_of(uint shape) {
     uint sides = tsr_shape(shape, tsr_s_sides);
-    return min(ivec4(int(sides & 255u), int((sides >> 8) & 255u), int((sides >> 16) & 255u),
+    return min(ivec4(int(sides & 511u), int((sides >> 9) & 511u), int((sides >> 18) & 63u),
                      int(sides >> 24)),
-               ivec4(tsr_max_base_side, tsr_max_base_side, tsr_max_angular_side,
+               ivec4(tsr_max_tile_side, tsr_max_tile_side, tsr_max_angular_side,
                      tsr_max_angular_side));
 }
 
 // u, v, s, t of a packed origin (tsr_k_place).
 ivec4 tsr_origin_of(uint place) {
-    int most = (1 << tsr_place_v) - 1;
+    int most = tsr_max_tile_side - 1;
     return ivec4(int(place) & most, int(place >> tsr_place_v) & most,
                  int(place >> tsr_place_s) & (tsr_max_angular_side - 1),
                  int(place >> tsr_place_t) & (tsr_max_angular_side - 1));

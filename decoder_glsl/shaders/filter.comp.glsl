@@ -1,5 +1,5 @@
-// Pass 6, for files with a filter only, one invocation per texel: filters the values that pass 5
-// kept (FORMAT.md 4.7) and writes the texels. Pass 5 has written damaged tiles, which keep no
+// Pass 7, for files with a filter only, one invocation per texel: filters the values that passes 5
+// and 6 kept (FORMAT.md 4.7) and writes the texels. Pass 5 has written damaged tiles, which keep no
 // values.
 #include "target.glsl"
 

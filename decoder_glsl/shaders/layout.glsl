@@ -15,7 +15,7 @@
 // Tiles are few and their streams long: small groups of segments spread over more processors and
 // wait less for each other's branches.
 #define TSR_LEVELS_GROUP 4
-#define TSR_TEXEL_GROUP 64 // order, items, texels, filter
+#define TSR_TEXEL_GROUP 64 // order, items, texels, border, filter
 // A dispatch has at most this many groups along x, because devices need not accept more than
 // 65,535.
 const int tsr_row_groups = 1024;
@@ -26,12 +26,15 @@ const int tsr_max_nodes = 8192;
 const int tsr_max_work = 16000;
 const int tsr_max_coded = 4096;
 const int tsr_max_tile_texels = 6 * 65536;
-const int tsr_max_spatial_side = 64; // of tiles and blocks
-const int tsr_max_base_side = 126;   // of base pictures
+const int tsr_max_tile_side = 256; // along u and v
+const int tsr_max_block_side = 64; // likewise
+const int tsr_max_base_side = 126; // of base pictures
 const int tsr_max_angular_side = 32;
 const int tsr_max_frequencies = 32;    // coded along an axis
 const int tsr_correction_chunk = 4096; // texels
 const int tsr_rotations = 49;          // of a block's colours
+const int tsr_most_share = 64;         // of luma in a chroma plane
+const int tsr_directions = 32;         // of predictions from the border
 const int tsr_base_taps = 6;           // of the base picture's filter
 
 // ---- Contexts of the entropy decoder (format/tile/code_tables.h).
@@ -71,8 +74,10 @@ const int tsr_t_base_margin = 22;      // texels
 const int tsr_t_fields = 23;           // number of these words
 
 // Probability tables hold the starts of their symbols in pairs, c[1] | c[2] << 16 and so on, padded
-// with 4096: tsr_symbol_words each, or one word where there are at most three symbols.
+// with 4096: one word where there are at most three symbols, two where there are at most five, and
+// tsr_symbol_words elsewhere.
 const int tsr_symbol_words = 12;
+const int tsr_symbol5_words = 2;
 
 // Each line gives the first word of a table and the word behind its last. A table begins where the
 // one above it ends: to add one, insert its line and let the next line begin at its end.
@@ -94,13 +99,15 @@ const int tsr_t_other_length = tsr_copying_length_end,
 // Tokens of corrections, by context.
 const int tsr_t_correction = tsr_other_length_end,
     tsr_correction_end = tsr_t_correction + 21 * tsr_symbol_words;
-// Splits, one word each: [spatial depth class][angular depth class].
+// Splits, two words each: [spatial depth class][angular depth class].
 const int tsr_t_split = tsr_correction_end,
-    tsr_split_end = tsr_t_split + tsr_depth_classes * tsr_depth_classes;
-// Kinds of a block's colour, one word each: [the previous block was rotated].
-const int tsr_t_kind = tsr_split_end, tsr_kind_end = tsr_t_kind + 2;
+    tsr_split_end = tsr_t_split + tsr_depth_classes * tsr_depth_classes * tsr_symbol5_words;
+// Kinds of a block's colour, two words each: [the previous block: plain, rotated, predicted].
+const int tsr_t_kind = tsr_split_end, tsr_kind_end = tsr_t_kind + 3 * tsr_symbol5_words;
+// Lengths of differences of shares: [Co, Cg].
+const int tsr_t_share = tsr_kind_end, tsr_share_end = tsr_t_share + 2 * tsr_symbol_words;
 // Predictions, one word each, by context.
-const int tsr_t_prediction = tsr_kind_end, tsr_prediction_end = tsr_t_prediction + 6;
+const int tsr_t_prediction = tsr_share_end, tsr_prediction_end = tsr_t_prediction + 6;
 // Kinds of displacements, one word each: [along s, along t]. Then their lengths: [along the
 // parallax, across it].
 const int tsr_t_displacement_kind = tsr_prediction_end,
@@ -113,14 +120,21 @@ const int tsr_t_base = tsr_displacement_end, tsr_base_end = tsr_t_base + 1;
 const int tsr_t_from_base = tsr_base_end, tsr_from_base_end = tsr_t_from_base + 2;
 const int tsr_t_base_displacement = tsr_from_base_end,
     tsr_base_displacement_end = tsr_t_base_displacement + tsr_symbol_words;
+// Modes of blocks of pictures, by context.
+const int tsr_mode_contexts = 9;
+const int tsr_t_mode = tsr_base_displacement_end,
+    tsr_mode_end = tsr_t_mode + tsr_mode_contexts * tsr_symbol_words;
 // Colour rotations, signed: [rotation][row][column].
-const int tsr_t_rotation = tsr_base_displacement_end,
+const int tsr_t_rotation = tsr_mode_end,
     tsr_rotation_end = tsr_t_rotation + tsr_rotations * 9;
 // The base picture's filter, signed: [displacement mod 8][tap].
 const int tsr_t_base_filter = tsr_rotation_end,
     tsr_base_filter_end = tsr_t_base_filter + 8 * tsr_base_taps;
+// Directions of predictions from the border, one word each: slope, as 16 bits | inverse << 16.
+const int tsr_t_direction = tsr_base_filter_end,
+    tsr_direction_end = tsr_t_direction + tsr_directions;
 // The filter, slope | strength << 16: [plane][ring].
-const int tsr_t_filter = tsr_base_filter_end, tsr_filter_end = tsr_t_filter + 4 * 3;
+const int tsr_t_filter = tsr_direction_end, tsr_filter_end = tsr_t_filter + 4 * 3;
 // The cosine basis b(n, k, x), signed (tsr_basis_of): n * n words for each n up to 32, then 32 n
 // words for each n up to 64, because only 32 frequencies are coded.
 const int tsr_t_basis = tsr_filter_end,
@@ -129,20 +143,22 @@ const int tsr_t_basis = tsr_filter_end,
 const int tsr_t_wide_basis = tsr_basis_end,
     tsr_wide_basis_end =
         tsr_t_wide_basis + tsr_max_frequencies / 2 *
-                               (tsr_max_spatial_side * (tsr_max_spatial_side + 1) -
+                               (tsr_max_block_side * (tsr_max_block_side + 1) -
                                 tsr_max_frequencies * (tsr_max_frequencies + 1));
 const int tsr_t_end = tsr_wide_basis_end; // the shape records and their scans follow
 
 // A shape record.
-const int tsr_s_sides = 0; // nu | nv << 8 | ns << 16 | nt << 24
-const int tsr_s_scan = 1;  // word of its first scan entry
+const int tsr_s_sides = 0; // nu | nv << 9 | ns << 18 | nt << 24
+const int tsr_s_scan = 1;  // word of its first scan entry; 0 if no tile has needed it yet
 const int tsr_s_coded = 2; // number of scan entries
 const int tsr_s_size_class = 3;
-const int tsr_s_children = 4; // two words per split: four 16-bit shapes, 0xFFFF for none
-const int tsr_s_scales = 8;   // [planes 0..3, rotated][axes 0..4] mantissa | exponent + 128 << 16
+// 16-bit shapes, 0xFFFF for none: four each of splits 1 (along u and v) and 2 (along s and t), two
+// each of splits 3 (along u) and 4 (along v).
+const int tsr_s_children = 4;
+const int tsr_s_scales = 10; // [planes 0..3, rotated][axes 0..4] mantissa | exponent + 128 << 16
 const int tsr_scales_of_set = 5;
 const int tsr_shape_words = tsr_s_scales + 5 * tsr_scales_of_set;
-const int tsr_max_shapes = 1024; // of a file; the host refuses files with more
+const int tsr_max_shapes = 16384; // of a file; the host refuses files with more
 // A scan entry: the frequency (5 bits each of u, v, s, t, u lowest); six words of 16-bit scan
 // indices of the 12 earlier neighbours, first the four that count double, its own index where there
 // is none; its share | position << 16 (ScanContext in format/tile/scan_order.h).
@@ -158,21 +174,22 @@ const int tsr_b_segment_at = 4;
 const int tsr_b_raw_chunk_at = 5; // the segment of each raw chunk
 const int tsr_b_correction_at = 6;
 const int tsr_b_copies_at = 7; // what the blocks of predicted tiles copy
-const int tsr_b_payload_at = 8;
-const int tsr_b_payload_bytes = 9;
-const int tsr_b_fold_u = 10; // where texels go: see tsr_place in target.glsl
-const int tsr_b_fold_v = 11;
-const int tsr_b_folds_u = 12;
-const int tsr_b_stride_s = 13;
-const int tsr_b_stride_t = 14;
-const int tsr_b_blocks_at = 15; // words of the work buffer, up to tsr_b_values_at
-const int tsr_b_items_at = 16;
-const int tsr_b_counts_at = 17; // number of raw levels that each segment has
-const int tsr_b_multipliers_at = 18;
-const int tsr_b_raw_at = 19;    // raw levels, tsr_raw_words each
-const int tsr_b_values_at = 20; // values that tiles keep
-const int tsr_b_items_room = 21; // items that fit
-const int tsr_batch_words = 22;
+const int tsr_b_borders_at = 8; // blocks that are predicted from their border
+const int tsr_b_payload_at = 9;
+const int tsr_b_payload_bytes = 10;
+const int tsr_b_fold_u = 11; // where texels go: see tsr_place in target.glsl
+const int tsr_b_fold_v = 12;
+const int tsr_b_folds_u = 13;
+const int tsr_b_stride_s = 14;
+const int tsr_b_stride_t = 15;
+const int tsr_b_blocks_at = 16; // words of the work buffer, up to tsr_b_values_at
+const int tsr_b_items_at = 17;
+const int tsr_b_counts_at = 18; // number of raw levels that each segment has
+const int tsr_b_multipliers_at = 19;
+const int tsr_b_raw_at = 20;    // raw levels, tsr_raw_words each
+const int tsr_b_values_at = 21; // values that tiles keep
+const int tsr_b_items_room = 22; // items that fit
+const int tsr_batch_words = 23;
 
 const int tsr_tile_shape = 0;
 const int tsr_tile_segment = 1; // its first one
@@ -188,7 +205,8 @@ const int tsr_tile_copies = 10; // first copy record, from tsr_b_copies_at; none
 const int tsr_tile_values = 11; // word of its values, from tsr_b_values_at; or none
 const int tsr_tile_base = 12;   // shape of its base picture; or none
 const int tsr_tile_stored = 13; // payload byte of a stored tile's first sample; or none
-const int tsr_tile_words = 14;
+const int tsr_tile_borders = 14; // its border list, from tsr_b_borders_at; or none
+const int tsr_tile_words = 15;
 
 const int tsr_seg_tile = 0;
 const int tsr_seg_byte = 1;  // of the payload area
@@ -208,9 +226,18 @@ const int tsr_correction_words = 4;
 // A copy record, one per block of a predicted tile (FORMAT.md 4.6): what it copies (0 nothing, 1
 // along s, 2 along t, 3 the base picture) | depth << 8 | displacement as signed bytes u << 16 | v
 // << 24, in half texels or, from the base picture, in eighths. A block of the base picture itself
-// has 4 | fineness << 16.
+// has 4 | fineness << 16. A block of a picture has the context of its mode << 4, and 8 if the mode
+// is above 0.
 const int tsr_copy_words = 1;
 const uint tsr_copy_of_base = 4u;
+const uint tsr_copy_of_border = 8u;
+
+// A border list: the blocks of a picture that are predicted from their border, in an order in which
+// each comes after the blocks that it needs. It has the number of steps; for each step the number
+// of blocks up to its end, where a step needs only blocks of earlier steps; and a record per block.
+const int tsr_border_block = 0; // block | mode << 12
+const int tsr_border_texels = 1; // of the border that exist: above | to the left << 8
+const int tsr_border_words = 2;
 
 const uint tsr_none = 0xFFFFFFFFu;
 const uint tsr_nowhere = 0xF0000000u; // a word behind the end of any buffer
@@ -240,17 +267,20 @@ const int tsr_k_place = 0; // origin, see tsr_place_v
 const int tsr_k_shape = 1;
 const int tsr_k_first = 2;  // its first level, counted in its segment
 const int tsr_k_counts = 3; // levels of planes 0 to 2 | of plane 3 << 16
-const int tsr_k_rest = 4; // colour | largest ks << 8 | largest kt << 16 | segment of tile << 24
-const int tsr_block_words = 5;
+const int tsr_k_rest = 4; // largest ks << 8 | largest kt << 16 | segment of tile << 24
+// 0 plain; rotation + 1; or tsr_colour_shares | shares of Co and Cg as signed bytes << 16, << 24.
+const int tsr_k_colour = 5;
+const int tsr_block_words = 6;
+const uint tsr_colour_shares = 256u;
 // The origin of a block in its tile or base picture, in one word: u, and from these bits on v, s,
 // t.
-const int tsr_place_v = 7;
-const int tsr_place_s = 14;
-const int tsr_place_t = 19;
-const uint tsr_place_mask = 0xFFFFFFu;
+const int tsr_place_v = 8;
+const int tsr_place_s = 16;
+const int tsr_place_t = 21;
+const uint tsr_place_mask = 0x3FFFFFFu;
 // Depths of the root of a base picture's split tree (TsrNode): no spatial splits, and more angular
 // ones than a tile can have.
-const uint tsr_depths_of_base = 0x1000u;
+const uint tsr_depths_of_base = 0x100000u;
 
 // A raw level: frequency << 12 | block, then magnitude | sign << 20 | plane << 30.
 const int tsr_raw_words = 2;

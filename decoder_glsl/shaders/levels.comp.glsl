@@ -1,8 +1,8 @@
 // Pass 2, one invocation per segment: decodes the levels of its blocks (FORMAT.md 3.4).
 //
 // There is one loop. Each round decodes either the head of a plane or one coefficient, which is
-// what the format counts as the work of a segment: so rounds are bounded, and invocations stay in
-// step.
+// what the format counts as the work of a segment, or one of the two shares of a block. A block with
+// shares has four units of work or more, so rounds are bounded, and invocations stay in step.
 //
 // Decoded amplitudes are kept as codes of four bits per coefficient, in scan order. A coefficient's
 // context is the sum over its earlier neighbours, whose indices are in the scan entry.
@@ -60,7 +60,7 @@ struct TsrSegmentWalk {
     uint scan; // word of its first scan entry
     int coded; // number of scan entries
     bool copies;
-    int colour; // rotation + 1; 0 for none
+    uint colour; // see tsr_k_colour
     uint first;     // raw levels of the segment before it
     uint counts;    // see tsr_k_counts
     uint largest_s; // frequency
@@ -71,18 +71,20 @@ struct TsrSegmentWalk {
     int at;           // coefficients decoded
     int state;        // of dependent quantisation
     int first_token;  // length token of plane 0
+    int shares_left;  // that come before the coefficients
     uint own;         // the word of codes that is being filled
     uint cross;       // the same word of the earlier planes
     uint cross_words; // number of words that earlier planes have filled
     // The segment's blocks so far.
-    int last_rotation; // + 1
-    bool last_rotated;
+    int last_kind;    // of the last block with a colour symbol: 0 plain, 1 rotated, 2 with shares
+    uint last_colour; // of the last block that was not plain
+    ivec2 shares;     // of luma in Co and Cg, in the last block that has shares
     bool damaged;
 };
 
 void tsr_begin_block(TSR_INOUT(TsrSegmentWalk) w) {
     w.plane = 0;
-    w.colour = 0;
+    w.colour = 0u;
     w.first = w.count;
     w.counts = 0u;
     w.largest_s = 0u;
@@ -97,44 +99,86 @@ void tsr_end_block(TSR_INOUT(TsrSegmentWalk) w) {
     uint at = tsr_block_at(w.tile, w.block);
     tsr_set_work(at + uint(tsr_k_first), w.first);
     tsr_set_work(at + uint(tsr_k_counts), w.counts);
-    tsr_set_work(at + uint(tsr_k_rest), uint(w.colour) | (w.largest_s << 8) | (w.largest_t << 16) |
-                                            (w.segment_of_tile << 24));
+    tsr_set_work(at + uint(tsr_k_rest),
+                 (w.largest_s << 8) | (w.largest_t << 16) | (w.segment_of_tile << 24));
+    tsr_set_work(at + uint(tsr_k_colour), w.colour);
     w.block += 1u;
 }
 
-void tsr_block_colour(TSR_INOUT(TsrSegmentWalk) w) {
-    int kind = tsr_symbol3(w.r, uint(tsr_t_kind) + (w.last_rotated ? 1u : 0u));
+// Takes the colour that a symbol of kind, and the raw bits behind it, gave a block. Shares follow in
+// rounds of their own.
+void tsr_take_kind(TSR_INOUT(TsrSegmentWalk) w, int kind, uint raw) {
     if (kind == 1)
-        w.colour = w.last_rotation;
+        w.colour = w.last_colour;
     if (kind == 2)
-        w.colour = 1 + int(tsr_raw(w.r, 6));
-    w.damaged = w.damaged || w.colour > tsr_rotations;
-    w.last_rotated = w.colour != 0;
-    if (w.last_rotated)
-        w.last_rotation = w.colour;
+        w.colour = 1u + raw;
+    w.damaged = w.damaged || (kind == 2 && w.colour > uint(tsr_rotations));
+    if (kind >= 3) {
+        w.colour = tsr_colour_shares;
+        w.shares_left = 2;
+    }
+    w.last_kind = w.colour == 0u ? 0 : (w.colour < tsr_colour_shares ? 1 : 2);
+    if (w.colour != 0u)
+        w.last_colour = w.colour;
 }
 
-// Decodes the length of a plane and, behind that of plane 0, the rotation of the block's colours.
+// Takes the difference of a share from that of the last block with shares.
+void tsr_take_share(TSR_INOUT(TsrSegmentWalk) w, int difference) {
+    if (w.shares_left == 2)
+        w.shares.x += difference;
+    else
+        w.shares.y += difference;
+    w.shares_left -= 1;
+    if (w.shares_left > 0)
+        return;
+    w.damaged = w.damaged || max(abs(w.shares.x), abs(w.shares.y)) > tsr_most_share ||
+                (w.shares.x == 0 && w.shares.y == 0);
+    w.colour = tsr_colour_shares | ((uint(w.shares.x) & 255u) << 16) |
+               ((uint(w.shares.y) & 255u) << 24);
+    w.last_colour = w.colour;
+}
+
+// Decodes the length of a plane and, behind that of plane 0, the colour of the block; or a share,
+// which is not part of the work of a segment. They use the same calls, because some devices run the
+// code of all branches in every round.
 void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
+    bool is_share = w.shares_left > 0;
     uint table = uint(tsr_t_other_length + w.first_token * tsr_symbol_words);
-    if (w.plane == 0) {
+    if (is_share) {
+        table = uint(tsr_t_share + (2 - w.shares_left) * tsr_symbol_words);
+    } else if (w.plane == 0) {
         w.copies = (tsr_copy(w.tile, w.block) & 3u) != 0u;
         table = uint(w.copies ? tsr_t_copying_length : tsr_t_first_length) +
                 tsr_shape(w.shape, tsr_s_size_class) * uint(tsr_symbol_words);
     }
     int token = tsr_symbol(w.r, table);
     int bits = token <= 1 ? 0 : (token == 2 ? 1 : 2);
+    if (is_share)
+        bits = clamp(token - 1, 0, 8);
     int raw = int(tsr_raw(w.r, bits));
     int length = token == 0 ? 0 : 1 << (token - 1);
     length += raw << max(0, token - 1 - bits);
-    w.size = min(length, w.coded);
-    w.at = 0;
-    w.state = 0;
-    if (w.plane == 0) {
-        w.first_token = token;
-        if (w.size > 0 && tsr_table(tsr_t_rotates) != 0u)
-            tsr_block_colour(w);
+    bool has_colour = false;
+    int more = is_share && token > 0 ? 1 : 0; // the sign of the difference
+    int kind = 0;
+    if (!is_share) {
+        w.size = min(length, w.coded);
+        w.at = 0;
+        w.state = 0;
+        if (w.plane == 0) {
+            w.first_token = token;
+            has_colour = w.size > 0 && tsr_table(tsr_t_rotates) != 0u;
+        }
     }
+    if (has_colour) {
+        kind = tsr_symbol5(w.r, uint(tsr_t_kind + w.last_kind * tsr_symbol5_words));
+        more = kind == 2 ? 6 : 0;
+    }
+    uint last = tsr_raw(w.r, more);
+    if (is_share)
+        tsr_take_share(w, last != 0u ? -length : length);
+    if (has_colour)
+        tsr_take_kind(w, kind, last);
 }
 
 void tsr_keep_level(TSR_INOUT(TsrSegmentWalk) w, uint frequency, uint magnitude, uint negative) {
@@ -241,12 +285,14 @@ TsrSegmentWalk tsr_start_segment(uint tile, uint segment_of_tile, uint segment, 
     w.count = 0u;
     w.block = tsr_segment(segment, tsr_seg_first);
     w.copies = false;
-    w.last_rotation = 1;
-    w.last_rotated = false;
+    w.last_kind = 0;
+    w.last_colour = 1u;
+    w.shares = ivec2(0);
     w.size = 0;
     w.at = 0;
     w.state = 0;
     w.first_token = 0;
+    w.shares_left = 0;
     w.own = 0u;
     w.cross = 0u;
     w.damaged = false;
@@ -303,10 +349,12 @@ void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
         TSR_LOOP;
         if (w.block >= end || w.damaged)
             break;
-        if (w.at < w.size)
+        if (w.at < w.size && w.shares_left == 0) {
             tsr_coefficient(w);
-        else
+        } else {
             tsr_plane_head(w);
+            rounds += w.shares_left == 2 ? 2 : 0; // they take a round each
+        }
         if (w.at == w.size)
             tsr_end_plane(w, planes, end);
     }

@@ -1,4 +1,4 @@
-// Pass 3, one invocation per level: dequantises it (FORMAT.md 4.1), turns rotated colours back
+// Pass 3, one invocation per level: dequantises it (FORMAT.md 4.1), undoes the colour of its block
 // (4.4) and moves it to its position in the order in which the inverse transform sums: by t, s, v
 // and u frequency, u fastest.
 //
@@ -36,6 +36,15 @@ int tsr_turn_back(ivec3 x, int rotation, int row) {
     uint c = tsr_table(at + 2);
     uint high = a * uint(x.x >> 11) + b * uint(x.y >> 11) + c * uint(x.z >> 11);
     uint low = a * uint(x.x & 2047) + b * uint(x.y & 2047) + c * uint(x.z & 2047);
+    return int(high + uint(int(low + 2048u) >> 11)) >> 1;
+}
+
+// The coefficient of a chroma plane with its share of luma, which counts `unit` of
+// 4096. Rounded as 4.4 says. The sums fit 32 bits.
+int tsr_add_luma(int chroma, int luma, int share, int unit) {
+    uint weight = uint(share * unit);
+    uint high = weight * uint(luma >> 11) + 4096u * uint(chroma >> 11);
+    uint low = weight * uint(luma & 2047) + 4096u * uint(chroma & 2047);
     return int(high + uint(int(low + 2048u) >> 11)) >> 1;
 }
 
@@ -84,9 +93,9 @@ TsrLevels tsr_find_levels(uint first, uint count, uint own_key, uint own_plane) 
     return found;
 }
 
-// The coefficients of planes 0 to 2, or of plane 3 in x. `colour`: rotation + 1 of the block, 0 for
-// none; `copy`: its copy record.
-ivec3 tsr_coefficients_of(TsrLevels found, bool plane_3, uint frequency, uint shape, int colour,
+// The coefficients of planes 0 to 2, or of plane 3 in x. `colour`: see tsr_k_colour; `copy`: the
+// copy record of the block.
+ivec3 tsr_coefficients_of(TsrLevels found, bool plane_3, uint frequency, uint shape, uint colour,
                           uint copy) {
     int axes = ((frequency & 31u) != 0u ? 1 : 0) + ((frequency & 0x3E0u) != 0u ? 1 : 0) +
                ((frequency & 0x7C00u) != 0u ? 1 : 0) + ((frequency & 0xF8000u) != 0u ? 1 : 0);
@@ -102,7 +111,7 @@ ivec3 tsr_coefficients_of(TsrLevels found, bool plane_3, uint frequency, uint sh
                              other_offset);
         return x;
     }
-    bool rotated = colour != 0;
+    bool rotated = colour != 0u && colour < tsr_colour_shares;
     int rotated_scales = scales + 4 * tsr_scales_of_set;
     x.x = tsr_dequantize(found.x, tsr_shape(shape, rotated ? rotated_scales : scales), finer,
                          first_offset);
@@ -112,9 +121,15 @@ ivec3 tsr_coefficients_of(TsrLevels found, bool plane_3, uint frequency, uint sh
     x.z = tsr_dequantize(
         found.z, tsr_shape(shape, rotated ? rotated_scales : scales + 2 * tsr_scales_of_set), finer,
         other_offset);
-    if (rotated)
-        x = ivec3(tsr_turn_back(x, colour - 1, 0), tsr_turn_back(x, colour - 1, 1),
-                  tsr_turn_back(x, colour - 1, 2));
+    if (rotated) {
+        int rotation = min(int(colour), tsr_rotations) - 1;
+        x = ivec3(tsr_turn_back(x, rotation, 0), tsr_turn_back(x, rotation, 1),
+                  tsr_turn_back(x, rotation, 2));
+    } else if (colour != 0u && (frequency != 0u || (copy & (3u | tsr_copy_of_border)) != 0u)) {
+        // The means of blocks without a prediction are not related.
+        x.y = tsr_add_luma(x.y, x.x, int(colour << 8) >> 24, 256);
+        x.z = tsr_add_luma(x.z, x.x, int(colour) >> 24, 128);
+    }
     return x;
 }
 
@@ -153,7 +168,7 @@ void tsr_order_level(uint slot) {
     if (found.first_here)
         x = tsr_coefficients_of(found, plane_3, frequency,
                                 tsr_work_word(block + uint(tsr_k_shape)),
-                                int(tsr_work_word(block + uint(tsr_k_rest)) & 63u),
+                                tsr_work_word(block + uint(tsr_k_colour)),
                                 tsr_copy(tile, own_key & 0xFFFu));
     uint sorted = run + found.before;
     if (sorted < uint(tsr_coefficients.length()))

@@ -88,8 +88,10 @@ int tsr_axis_place(uint word) {
 int tsr_axis_mip(uint word) {
     return int(word >> tsr_axis_mip_at);
 }
-int tsr_axis_extent(uint word) {
-    return (int(word >> tsr_axis_extent_at) & (tsr_axis_extents - 1)) + 1;
+// Texels of the word's tile along the axis.
+int tsr_axis_extent(int axis, uint word) {
+    return int(tsr_parameter(tsr_p_size + axis) / tsr_parameter(tsr_p_tiles + axis)) +
+           int((word >> tsr_axis_longer_at) & 1u);
 }
 
 vec4 tsr_mix4(vec4 a, vec4 b, vec4 c, vec4 d, vec2 weight) {

@@ -70,11 +70,12 @@ float tsr_coarse_place(int tile, float texels, int extent, int parts, uint tiles
     return clamp(place, 0.0, float(int(tiles) * parts - 1));
 }
 
-// The same for a texel on the axis of u or v, whose mip begins `before` texels into the slot.
-float tsr_coarse_surface_place(uint axis, int before, uint tiles) {
-    float texels = (float(tsr_axis_place(axis) - before) + 0.5) * float(1 << tsr_axis_mip(axis));
-    return tsr_coarse_place(tsr_axis_tile(axis), texels, tsr_axis_extent(axis), tsr_coarse_uv,
-                            tiles);
+// The same for a texel on the axis of u or v, given its word, whose mip begins `before` texels into
+// the slot.
+float tsr_coarse_surface_place(int axis, uint word, int before) {
+    float texels = (float(tsr_axis_place(word) - before) + 0.5) * float(1 << tsr_axis_mip(word));
+    return tsr_coarse_place(tsr_axis_tile(word), texels, tsr_axis_extent(axis, word),
+                            tsr_coarse_uv, tsr_parameter(tsr_p_tiles + axis));
 }
 
 // The same for a position along s or t, `beyond` texels after the centre of a texel.
@@ -92,8 +93,8 @@ vec4 tsr_coarse_places(TsrColumn c, int s, int t, vec2 beyond) {
         int v = int(tsr_parameter(tsr_p_slot_v));
         before = ivec2(int(tsr_parameter(tsr_p_slot_u)), v - (v >> (mip - 1)));
     }
-    return vec4(tsr_coarse_surface_place(c.u, before.x, tsr_parameter(tsr_p_tiles)),
-                tsr_coarse_surface_place(c.v, before.y, tsr_parameter(tsr_p_tiles + 1)),
+    return vec4(tsr_coarse_surface_place(0, c.u, before.x),
+                tsr_coarse_surface_place(1, c.v, before.y),
                 tsr_coarse_angular_place(2, s, beyond.x), tsr_coarse_angular_place(3, t, beyond.y));
 }
 

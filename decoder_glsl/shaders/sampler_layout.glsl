@@ -30,14 +30,14 @@ const int tsr_p_inside = 30; // 1: a sphere that is seen from inside
 const int tsr_sampler_words = 32;
 
 // ---- The axes of u and v have one word per texel, so that sampling needs no division:
-//   cache          tile | position in the slot << 16 | extent of the tile - 1 << 23 | mip << 29
+//   cache          tile | position in the slot << 16 | longer tile << 25 | mip << 29
 //   plain texture  pixel in the layer | fold << 16
 // The texels of mip 1, 2, ... follow those of the atlas. Their tile is that of the texels they
-// average.
+// average. Along an axis of `size` texels and n tiles, a tile has size / n texels, rounded down, or
+// one more if it is a longer one.
 const int tsr_axis_place_at = 16; // bits
-const int tsr_axis_places = 128;
-const int tsr_axis_extent_at = 23; // bits
-const int tsr_axis_extents = 64;
+const int tsr_axis_places = 512;
+const int tsr_axis_longer_at = 25; // bits
 const int tsr_axis_mip_at = 29; // bits
 
 // ---- A page is the position of a tile's slot, counted in slots: column | row << 10 | layer << 20.

@@ -7,7 +7,8 @@
 // innermost.
 //
 // Batches with predicted tiles and files with a filter need TSR_PREDICTED_TILES. Without it the
-// shader takes fewer registers. In files with a filter, pass 6 writes the texels of sound tiles.
+// shader takes fewer registers. Pass 6 completes blocks that are predicted from their border. In
+// files with a filter, pass 7 writes the texels of sound tiles.
 #include "patch.glsl"
 #include "target.glsl"
 #include "walk.glsl"
@@ -47,7 +48,7 @@ TsrItem tsr_item(uint number) {
     uint counts = tsr_work_word(block + uint(tsr_k_counts));
     uint rest = tsr_work_word(block + uint(tsr_k_rest));
     item.patch_of = tsr_patch(tsr_work_word(block + uint(tsr_k_shape)), rest);
-    item.first = min(range & 0xFFFFu, uint(tsr_max_spatial_side * tsr_max_spatial_side - 1));
+    item.first = range & 0xFFFFu;
     item.positions = min(int(range >> 16), item.patch_of.positions);
     item.origin = tsr_origin_of(tsr_work_word(block + uint(tsr_k_place)));
     item.copies = tsr_copy(item.tile, item.block);
@@ -292,7 +293,8 @@ ivec4 tsr_from_base(TsrItem item, int u, int v, int s, int t) {
 }
 
 // Adds what a texel of a predicted tile copies, clamps the sum, keeps it for other blocks, and
-// returns it.
+// returns it. border.comp adds predictions from the border. The range of what it gets is twice that
+// of values, because a prediction lies within the range of values.
 ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
     ivec4 copied = ivec4(0);
     bool of_base = (item.copies & tsr_copy_of_base) != 0u;
@@ -308,6 +310,8 @@ ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
         copied = (sum + (1 << (shift - 1))) >> shift;
     }
     int limit = tsr_value_limit(item.format);
+    if ((item.copies & tsr_copy_of_border) != 0u)
+        limit *= 2;
     ivec4 value = clamp(values + copied, -limit, limit - 1);
     tsr_keep_value(item.format, item.target, value,
                    of_base ? tsr_base_value_at(item.target, u, v)
@@ -347,8 +351,9 @@ void tsr_sum_t(TsrItem item, int lane) {
 #ifdef TSR_PREDICTED_TILES
             if (item.target.values != tsr_none) {
                 ivec4 value = tsr_predicted(item, values, u, v, in_s, in_t);
-                if (item.format.filtered || (item.copies & tsr_copy_of_base) != 0u)
-                    continue;
+                if (item.format.filtered ||
+                    (item.copies & (tsr_copy_of_base | tsr_copy_of_border)) != 0u)
+                    continue; // a later pass writes the texel, or it is not shown
                 codes = tsr_codes(item.format, value);
             } else
 #endif

@@ -5,27 +5,35 @@
 struct TsrNode {
     uint place; // origin, as in tsr_k_place
     uint shape;
-    uint depths; // spatial splits above | angular splits << 4
+    uint depths; // spatial splits above | angular splits << 8
 };
 
-// Child number `child` of a node that is split along a pair of axes (1 spatial, 2 angular). A side
-// of 1 is not divided, so the node then has two children.
+// Word of a shape's record with the children of a split: 1 along u and v, 2 along s and t, 3 along
+// u, 4 along v.
+int tsr_children_of(int split) {
+    return tsr_s_children + (split < 3 ? 2 * (split - 1) : split + 1);
+}
+
+// Child number `child` of a node. A side of 1 is not divided, so a split along two axes then gives
+// two children.
 TsrNode tsr_child(TsrNode parent, int split, uint child) {
     ivec4 sides = tsr_sides_of(parent.shape);
-    int side_a = split == 1 ? sides.x : sides.z;
-    int side_b = split == 1 ? sides.y : sides.w;
-    uint a = side_a > 1 ? child & 1u : 0u;
-    uint b = side_a > 1 ? child >> 1 : child;
+    bool angular = split == 2;
+    int side_a = angular ? sides.z : sides.x;
+    int side_b = angular ? sides.w : sides.y;
+    bool halves_a = side_a > 1 && split != 4;
+    uint a = halves_a ? child & 1u : 0u;
+    uint b = halves_a ? child >> 1 : child;
     // The first half of a side is the larger one.
     uint moved_a = a * uint((side_a + 1) / 2);
     uint moved_b = b * uint((side_b + 1) / 2);
-    uint moved = split == 1 ? moved_a + (moved_b << tsr_place_v)
-                            : (moved_a << tsr_place_s) + (moved_b << tsr_place_t);
-    uint ids = tsr_shape(parent.shape, tsr_s_children + 2 * (split - 1) + int(child >> 1));
+    uint moved = angular ? (moved_a << tsr_place_s) + (moved_b << tsr_place_t)
+                         : moved_a + (moved_b << tsr_place_v);
+    uint ids = tsr_shape(parent.shape, tsr_children_of(split) + int(child >> 1));
     TsrNode node;
     node.place = (parent.place + moved) & tsr_place_mask;
     node.shape = (ids >> ((child & 1u) * 16u)) & 0xFFFFu;
-    node.depths = parent.depths + (split == 1 ? 1u : 16u);
+    node.depths = parent.depths + (angular ? 256u : 1u);
     return node;
 }
 
@@ -60,18 +68,11 @@ void tsr_pass_prediction(TSR_INOUT(TsrRans) r, uint place, TSR_INOUT(bool) copie
         tsr_pass_displacement(r, along_s && symbol == 1 ? 0 : 1);
 }
 
-// Reads past a leaf's copy of the base picture. Returns whether it copies; `before`: whether the
-// previous leaf did.
-bool tsr_pass_base(TSR_INOUT(TsrRans) r, bool before) {
-    bool copies = tsr_symbol3(r, uint(tsr_t_from_base + (before ? 1 : 0))) != 0;
-    if (copies)
-        tsr_pass_difference(r, uint(tsr_t_base_displacement));
-    return copies;
-}
-
-// Decodes whether a tile has a base picture. Tiles of fewer than four views cannot have one.
+// Decodes whether a tile has a base picture. Tiles of fewer than four views and tiles that are
+// larger than a block cannot have one.
 bool tsr_has_base(TSR_INOUT(TsrRans) r, ivec4 sides) {
-    if (tsr_table(tsr_t_base_pictures) == 0u || sides.z * sides.w < 4)
+    if (tsr_table(tsr_t_base_pictures) == 0u || sides.z * sides.w < 4 ||
+        max(sides.x, sides.y) > tsr_max_block_side)
         return false;
     return tsr_symbol3(r, uint(tsr_t_base)) != 0;
 }
@@ -81,39 +82,59 @@ struct TsrTree {
     uint tile;
     uint blocks; // so far
     uint nodes;
+    bool is_picture; // has one view
     bool has_base;
     bool copies; // see tsr_pass_prediction
     bool copies_base;
 };
 
+// Reads past the mode of a leaf of a picture, or past another leaf's copy of the base picture, if it
+// has one. Returns whether it copies. Both use the same calls, because some devices run the code of
+// all branches in every round. `copy`: the leaf's copy record, which has the context of a mode: it
+// depends on earlier modes, which the host knows.
+bool tsr_pass_mode_or_base(TSR_INOUT(TsrTree) tree, bool of_picture, uint copy) {
+    uint table = uint(tsr_t_mode) + ((copy >> 4) & 15u) * uint(tsr_symbol_words);
+    if (!of_picture) {
+        table = uint(tsr_t_base_displacement);
+        if (tsr_symbol3(tree.r, uint(tsr_t_from_base + (tree.copies_base ? 1 : 0))) == 0)
+            return false;
+    }
+    int token = tsr_symbol(tree.r, table);
+    tsr_raw(tree.r, of_picture ? (token == 5 ? 5 : 0) : max(token - 1, 0));
+    tsr_raw(tree.r, !of_picture && token > 0 ? 1 : 0);
+    return !of_picture;
+}
+
 // Adds a leaf to the tile's blocks and reads past its prediction.
 void tsr_add_leaf(TSR_INOUT(TsrTree) tree, TsrNode leaf) {
-    uint at = tsr_block_at(tree.tile, tree.blocks);
+    uint number = tree.blocks;
+    uint at = tsr_block_at(tree.tile, number);
     tsr_set_work(at + uint(tsr_k_place), leaf.place);
     tsr_set_work(at + uint(tsr_k_shape), leaf.shape);
     tree.blocks += 1u;
-    if (tsr_table(tsr_t_predicts) == 0u || leaf.depths >= tsr_depths_of_base)
+    if (tsr_table(tsr_t_predicts) == 0u)
         return;
-    if (tree.has_base)
-        tree.copies_base = tsr_pass_base(tree.r, tree.copies_base);
-    if (!tree.copies_base)
+    bool of_picture = tree.is_picture || leaf.depths >= tsr_depths_of_base;
+    if (of_picture || tree.has_base)
+        tree.copies_base = tsr_pass_mode_or_base(tree, of_picture, tsr_copy(tree.tile, number));
+    if (!of_picture && !tree.copies_base)
         tsr_pass_prediction(tree.r, leaf.place, tree.copies);
 }
 
-// Decodes how a node is split: 0 not at all, 1 spatially, 2 angularly. The root of a base picture
-// that is too large for a block is split spatially without a symbol.
+// Decodes how a node is split: 0 not at all, else as in tsr_children_of(). A node that is too large
+// for a block is split along u and v without a symbol.
 int tsr_split_of(TSR_INOUT(TsrTree) tree, TsrNode node) {
     tree.nodes += 1u;
-    if (node.depths == tsr_depths_of_base) {
-        ivec4 sides = tsr_sides_of(node.shape);
-        if (max(sides.x, sides.y) > tsr_max_spatial_side)
-            return 1;
-    }
+    ivec4 sides = tsr_sides_of(node.shape);
+    if (max(sides.x, sides.y) > tsr_max_block_side)
+        return 1;
     uint last = uint(tsr_depth_classes - 1);
-    uint spatial = min(node.depths & 15u, last);
-    uint angular = min(node.depths >> 4, last);
-    return tsr_symbol3(tree.r,
-                       uint(tsr_t_split) + spatial * uint(tsr_depth_classes) + angular);
+    uint spatial = min(node.depths & 255u, last);
+    uint angular = min(node.depths >> 8, last);
+    return min(tsr_symbol5(tree.r, uint(tsr_t_split) +
+                                       (spatial * uint(tsr_depth_classes) + angular) *
+                                           uint(tsr_symbol5_words)),
+               4);
 }
 
 void tsr_end_tree(TsrTree tree, bool damaged) {
@@ -133,7 +154,9 @@ TsrTree tsr_start_tree(uint tile) {
     tree.tile = tile;
     tree.blocks = 0u;
     tree.nodes = 0u;
-    tree.has_base = tsr_has_base(tree.r, tsr_sides_of(tsr_tile(tile, tsr_tile_shape)));
+    ivec4 sides = tsr_sides_of(tsr_tile(tile, tsr_tile_shape));
+    tree.is_picture = sides.z * sides.w == 1;
+    tree.has_base = tsr_has_base(tree.r, sides);
     tree.copies = false;
     tree.copies_base = false;
     return tree;
@@ -144,7 +167,8 @@ void tsr_decode_tree(uint tile) {
         return;
     TsrTree tree = tsr_start_tree(tile);
     // The nodes that are not decoded yet, the next one last. No legal tree has more than 34: each
-    // of 6 splits of sides up to 64 and 5 of sides up to 32 adds three.
+    // of 6 splits of sides up to 64 and 5 of sides up to 32 adds three, and tiles with longer sides
+    // have few views.
     TsrNode stack[36];
     stack[0].place = 0u;
     stack[0].shape = tsr_tile(tile, tsr_tile_shape);
@@ -171,12 +195,12 @@ void tsr_decode_tree(uint tile) {
             tsr_add_leaf(tree, node);
             continue;
         }
-        int children = tsr_s_children + 2 * (split - 1);
-        // A node whose sides are all 1 has no children.
+        int children = tsr_children_of(split);
+        // A node has no children along sides of 1.
         if ((tsr_shape(node.shape, children) & 0xFFFFu) == 0xFFFFu || waiting > 32)
             break;
         waiting -= 1;
-        bool four = (tsr_shape(node.shape, children + 1) & 0xFFFFu) != 0xFFFFu;
+        bool four = split < 3 && (tsr_shape(node.shape, children + 1) & 0xFFFFu) != 0xFFFFu;
         if (four) {
             stack[waiting] = tsr_child(node, split, 3u);
             stack[waiting + 1] = tsr_child(node, split, 2u);

@@ -58,8 +58,12 @@ template <class Fields, class Header> void walk_header(Fields& fields, Header& h
     fields.field(h.page_target);
     for (auto& extent : h.desc.size)
         fields.field(extent);
-    for (auto& extent : h.tile_extent)
-        as(std::uint8_t{}, extent);
+    for (auto& extent : h.tile_extent) {
+        auto raw = static_cast<std::uint8_t>(extent - 1);
+        fields.field(raw);
+        if constexpr (!std::is_const_v<Header>)
+            extent = raw + 1u;
+    }
     byte_enum(h.desc.type);
     fields.field(h.desc.channels);
     byte_enum(h.colour);

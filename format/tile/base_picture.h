@@ -20,7 +20,7 @@ struct BasePictures {
     bool operator==(const BasePictures&) const = default;
 };
 constexpr int max_base_margin = 31;
-constexpr int max_base_side = max_tile_side + 2 * max_base_margin;
+constexpr int max_base_side = max_block_side + 2 * max_base_margin;
 
 constexpr int base_unit = 8; // displacements count in 1/8 texel per view
 constexpr int base_taps = 6;
@@ -42,11 +42,12 @@ constexpr std::array<std::array<std::int8_t, base_taps>, base_unit> base_filter 
 constexpr std::optional<BlockShape> base_shape(const BlockShape& tile,
                                                const BasePictures& pictures) {
     constexpr int fewest_views = 4;
-    if (!pictures.on || tile.n[2] * tile.n[3] < fewest_views)
+    if (!pictures.on || tile.n[2] * tile.n[3] < fewest_views ||
+        std::max(tile.n[0], tile.n[1]) > max_block_side)
         return std::nullopt;
     const int more = 2 * pictures.margin;
-    return BlockShape{{static_cast<std::uint8_t>(tile.n[0] + more),
-                       static_cast<std::uint8_t>(tile.n[1] + more), 1, 1}};
+    return BlockShape{{static_cast<std::uint16_t>(tile.n[0] + more),
+                       static_cast<std::uint16_t>(tile.n[1] + more), 1, 1}};
 }
 
 // The root of its split tree. Its depths are those of a single view that was split from the tile,

@@ -56,6 +56,7 @@ CodeTables::CodeTables(const Parameters& parameters) {
         build_next(row, split_kinds - 1);
     build_next(correction, correction_chain);
     build_next(colour, colour_kinds - 1);
+    build_next(share, share_tokens - 1);
     build_next(prediction, prediction_kinds - 1);
     build_next(displacement_kind, displacement_kinds - 1);
     build_next(displacement, displacement_tokens - 1);
@@ -63,6 +64,8 @@ CodeTables::CodeTables(const Parameters& parameters) {
     next = parameters.data() + from_base_offset;
     build_next(from_base, 1);
     build(base_displacement, next, displacement_tokens - 1);
+    next += displacement_tokens - 1;
+    build_next(mode, mode_symbols - 1);
 }
 
 } // namespace tessera

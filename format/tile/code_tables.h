@@ -114,7 +114,8 @@ constexpr int magnitude_table(bool copies, int quantiser, int plane_class, bool 
                : neighbours / 2 * magnitude_crosses + std::max(cross - 2, 0));
 }
 
-constexpr int colour_kinds = 3;         // plain; as the last rotated block; another rotation
+constexpr int colour_kinds = 4;         // plain; as the last block that was not; rotated; predicted
+constexpr int colour_contexts = 3;      // the last block: plain, rotated, predicted
 constexpr int correction_contexts = 21; // neighbours 0..6, times 3 for the channel before
 constexpr int correction_tokens = magnitude_tokens + 1; // 0, then the tokens of magnitudes
 constexpr int correction_chain = magnitude_chain + 1;
@@ -131,18 +132,21 @@ constexpr int first_length_parameters = length_contexts * (length_tokens - 1);
 constexpr int other_length_offset = first_length_offset + first_length_parameters;
 constexpr int other_length_parameters = length_tokens * (length_tokens - 1);
 constexpr int split_offset = other_length_offset + other_length_parameters;
-constexpr int split_parameters = depth_classes * depth_classes * 2;
+constexpr int split_parameters = depth_classes * depth_classes * (split_kinds - 1);
 constexpr int correction_offset = split_offset + split_parameters;
 constexpr int correction_parameters = correction_contexts * correction_chain;
 constexpr int colour_offset = correction_offset + correction_parameters;
 // One set after a plain block, one after a rotated block.
-constexpr int colour_parameters = 2 * (colour_kinds - 1);
+constexpr int colour_parameters = colour_contexts * (colour_kinds - 1);
+constexpr int share_tokens = 9; // bit length of the magnitude of a difference
+constexpr int share_offset = colour_offset + colour_parameters;
+constexpr int share_parameters = 2 * (share_tokens - 1);
 constexpr int prediction_kinds = 3;     // nothing, along s, along t (see format/tile/prediction.h)
 constexpr int prediction_contexts = 6;  // earlier views along s, t, both; times the block before
 constexpr int displacement_kinds = 3;   // the last one, the one before it, a new one
 constexpr int displacement_tokens = 9;  // bit length of the magnitude of a difference, 0..255
 constexpr int displacement_classes = 2; // along the parallax, across it
-constexpr int prediction_offset = colour_offset + colour_parameters;
+constexpr int prediction_offset = share_offset + share_parameters;
 constexpr int prediction_parameters = prediction_contexts * (prediction_kinds - 1);
 constexpr int displacement_kind_offset = prediction_offset + prediction_parameters;
 constexpr int displacement_kind_parameters = 2 * (displacement_kinds - 1);
@@ -151,7 +155,10 @@ constexpr int displacement_parameters = displacement_classes * (displacement_tok
 constexpr int base_offset = displacement_offset + displacement_parameters;
 constexpr int from_base_offset = base_offset + 1;
 constexpr int base_displacement_offset = from_base_offset + 2;
-constexpr int parameter_count = base_displacement_offset + displacement_tokens - 1;
+constexpr int mode_offset = base_displacement_offset + displacement_tokens - 1;
+constexpr int mode_symbols = 6;  // see ModeMemory in format/tile/border_mode.h
+constexpr int mode_contexts = 9; // kinds of the modes above and to the left
+constexpr int parameter_count = mode_offset + mode_contexts * (mode_symbols - 1);
 
 using Parameters = std::array<std::uint8_t, parameter_count>;
 
@@ -164,7 +171,7 @@ constexpr ParameterGroup groups_with_copies[] = {{0, zero_parameters},
                                                  {magnitude_offset, magnitude_parameters},
                                                  {first_length_offset, first_length_parameters}};
 
-// Whether only files with predictions store a parameter: only blocks that copy use it.
+// Whether only files with predictions store a parameter.
 constexpr bool is_of_copies(int parameter) {
     for (const auto& [offset, count] : groups_with_copies)
         if (parameter >= offset + count / 2 && parameter < offset + count)
@@ -174,7 +181,7 @@ constexpr bool is_of_copies(int parameter) {
 
 // Whether only files with base pictures store a parameter.
 constexpr bool is_of_bases(int parameter) {
-    return parameter >= base_offset;
+    return parameter >= base_offset && parameter < mode_offset;
 }
 
 // The index of the parameter of a zero flag. `cross` matters only in plane class 1. `neighbours` is
@@ -204,6 +211,15 @@ template <int symbols> struct SymbolTable {
     }
 };
 
+// Decodes a difference whose token is the bit length of its magnitude.
+template <int symbols> int decode_difference(RansDecoder& rans, const SymbolTable<symbols>& table) {
+    const int token = table.decode(rans);
+    if (token == 0)
+        return 0;
+    const int magnitude = (1 << (token - 1)) + static_cast<int>(rans.raw(token - 1));
+    return rans.raw(1) != 0 ? -magnitude : magnitude;
+}
+
 // The tables of all symbols, computed from the parameters. Immutable, so thread-safe.
 struct CodeTables {
     explicit CodeTables(const Parameters& parameters);
@@ -214,7 +230,8 @@ struct CodeTables {
     std::array<SymbolTable<length_tokens>, length_tokens> other_length;
     std::array<std::array<SymbolTable<split_kinds>, depth_classes>, depth_classes> split;
     std::array<SymbolTable<correction_tokens>, correction_contexts> correction;
-    std::array<SymbolTable<colour_kinds>, 2> colour; // [the last colour symbol was a rotation]
+    std::array<SymbolTable<colour_kinds>, colour_contexts> colour;
+    std::array<SymbolTable<share_tokens>, 2> share; // of Co, of Cg
     std::array<SymbolTable<prediction_kinds>, prediction_contexts> prediction;
     std::array<SymbolTable<displacement_kinds>, 2> displacement_kind; // [along s, along t]
     std::array<SymbolTable<displacement_tokens>, displacement_classes> displacement;
@@ -222,9 +239,12 @@ struct CodeTables {
     // Whether a block copies the base picture; [the block before copies it].
     std::array<SymbolTable<2>, 2> from_base;
     SymbolTable<displacement_tokens> base_displacement;
+    std::array<SymbolTable<mode_symbols>, mode_contexts> mode;
 };
 
-// The built-in defaults (FORMAT.md 3.5). A file stores only its differences from them.
-const Parameters& default_parameters();
+// The built-in defaults (FORMAT.md 3.5): for textures of many views, and for single pictures, whose
+// coefficients are denser. A file stores only its differences from one of them.
+enum class DefaultSet : std::uint8_t { views, pictures };
+const Parameters& default_parameters(DefaultSet set = DefaultSet::views);
 
 } // namespace tessera

@@ -12,7 +12,7 @@ namespace {
 // The flags of section CODE.
 constexpr unsigned rotation_flag = 1, prediction_flag = 2, dependent_flag = 4, smooth_flag = 8,
                    filter_flag = 16, base_flag = 32, v_against_u_flag = 64, weights_flag = 128,
-                   differences_flag = 256, known_flags = 511;
+                   differences_flag = 256, pictures_flag = 512, known_flags = 1023;
 
 // The probabilities with which the differences from the defaults are coded, which the writer fits
 // to them: that a difference is 0 after a difference of 0, that it is 0 after another difference,
@@ -53,7 +53,7 @@ void walk(const CodingParameters& coding, Decide decide, Sign sign) {
     for (std::size_t i = 0; i < parameters.size(); ++i) {
         if (!holds(coding, i))
             continue;
-        const int difference = parameters[i] - default_parameters()[i];
+        const int difference = parameters[i] - default_parameters(coding.defaults)[i];
         decide(changed ? after_change : after_same, difference != 0);
         changed = difference != 0;
         if (!changed)
@@ -86,7 +86,8 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding, i
             (coding.dependent ? dependent_flag : 0) | (coding.smooth_copies ? smooth_flag : 0) |
             (coding.filter.is_on() ? filter_flag : 0) | (coding.base.on ? base_flag : 0) |
             (coding.base.v_against_u ? v_against_u_flag : 0) | (weights ? weights_flag : 0) |
-            (differs ? differences_flag : 0),
+            (differs ? differences_flag : 0) |
+            (coding.defaults == DefaultSet::pictures ? pictures_flag : 0),
         2);
     for (int plane = 0; plane < planes; ++plane)
         put(coding.step[static_cast<std::size_t>(plane)].bits, 2);
@@ -163,6 +164,7 @@ Status read_flags(unsigned flags, CodingParameters& coding) {
     coding.prediction = (flags & prediction_flag) != 0;
     coding.dependent = (flags & dependent_flag) != 0;
     coding.smooth_copies = (flags & smooth_flag) != 0;
+    coding.use_defaults((flags & pictures_flag) != 0 ? DefaultSet::pictures : DefaultSet::views);
     if (coding.smooth_copies && !coding.prediction)
         return bad_section("smooth copies without predictions");
     coding.base.on = (flags & base_flag) != 0;
@@ -222,8 +224,8 @@ Status read_differences(CodeReader& in, CodingParameters& coding) {
         while (difference < parameter_count_of_odds - 1 &&
                decoder.bit(stop_frequency(model.parameter[more])))
             ++difference;
-        const int value =
-            default_parameters()[i] + (decoder.raw(1) != 0 ? -difference : difference);
+        const int value = default_parameters(coding.defaults)[i] +
+                          (decoder.raw(1) != 0 ? -difference : difference);
         if (value < 0 || value >= parameter_count_of_odds)
             return bad_section("table parameter out of range");
         coding.parameters[i] = static_cast<std::uint8_t>(value);

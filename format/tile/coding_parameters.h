@@ -27,8 +27,14 @@ struct CodingParameters {
     bool dependent = false;     // dependent quantisation, see format/tile/code_tables.h
     std::array<ReconstructionOffsets, plane_classes> offsets{};
     ScanWeights scan_weights = default_scan_weights;
-    std::uint16_t correction_error = 0; // E of FORMAT.md 3.6, in sample codes
+    std::uint16_t correction_error = 0;      // E of FORMAT.md 3.6, in sample codes
+    DefaultSet defaults = DefaultSet::views; // which parameters are stored as differences
     Parameters parameters = default_parameters();
+
+    void use_defaults(DefaultSet set) {
+        defaults = set;
+        parameters = default_parameters(set);
+    }
 };
 
 // The bytes of section CODE of a file with 1..4 planes. It leaves out what such a file does not use:

@@ -9,13 +9,13 @@
 namespace tessera {
 namespace {
 
-using Bases = std::array<std::vector<std::int32_t>, max_tile_side + 1>;
+using Bases = std::array<std::vector<std::int32_t>, max_block_side + 1>;
 
 Bases make_bases() {
     Bases bases;
-    for (int n = 1; n <= max_tile_side; ++n) {
+    for (int n = 1; n <= max_block_side; ++n) {
         // All values occur in a quarter of the wave, in steps of pi / 2n.
-        std::array<std::int32_t, max_tile_side + 1> wave;
+        std::array<std::int32_t, max_block_side + 1> wave;
         for (int i = 0; i <= n; ++i)
             wave[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(
                 std::lround(std::ldexp(std::cos(i * std::numbers::pi / (2 * n)), basis_bits)));

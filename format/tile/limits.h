@@ -5,7 +5,8 @@
 
 namespace tessera {
 
-constexpr int max_tile_side = 64;    // along u and v
+constexpr int max_tile_side = 256;   // along u and v
+constexpr int max_block_side = 64;   // likewise
 constexpr int max_angular_side = 32; // along s and t
 constexpr int max_frequencies = 32;  // the lowest ones along an axis are coded
 constexpr int max_tile_texels = 6 * 65536;

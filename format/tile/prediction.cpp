@@ -6,15 +6,6 @@
 namespace tessera {
 namespace {
 
-// Decodes the difference between a component of a displacement and its predictor.
-int decode_difference(RansDecoder& rans, const SymbolTable<displacement_tokens>& table) {
-    const int token = table.decode(rans);
-    if (token == 0)
-        return 0;
-    const int magnitude = (1 << (token - 1)) + static_cast<int>(rans.raw(token - 1));
-    return rans.raw(1) != 0 ? -magnitude : magnitude;
-}
-
 bool decode_displacement(RansDecoder& rans, const CodeTables& tables, int direction,
                          PredictionMemory& memory, Displacement& out) {
     const auto d = static_cast<std::size_t>(direction);
@@ -66,6 +57,22 @@ std::uint32_t split_path(int n, int x) {
 bool copies_anything(std::span<const BlockPrediction> predictions) {
     return std::any_of(predictions.begin(), predictions.end(),
                        [](const BlockPrediction& prediction) { return prediction.copies(); });
+}
+
+bool predicts_anything(std::span<const BlockPrediction> predictions) {
+    return std::any_of(predictions.begin(), predictions.end(),
+                       [](const BlockPrediction& prediction) { return prediction.is_predicted(); });
+}
+
+BlockPrediction decode_border_mode(RansDecoder& rans, const CodeTables& tables, const Block& block,
+                                   ModeMemory& memory) {
+    const int symbol = tables.mode[static_cast<std::size_t>(memory.context(block))].decode(rans);
+    BlockPrediction prediction;
+    prediction.mode = symbol == ModeMemory::other_direction
+                          ? static_cast<BorderMode>(mode_first_direction + rans.raw(direction_bits))
+                          : memory.mode_of(block, symbol);
+    memory.remember(block, prediction.mode);
+    return prediction;
 }
 
 bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const BasePictures* base,

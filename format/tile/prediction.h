@@ -10,6 +10,7 @@
 
 #include "format/tile/base_picture.h"
 #include "format/tile/block.h"
+#include "format/tile/border_mode.h"
 #include "format/tile/code_tables.h"
 
 #include <array>
@@ -38,8 +39,10 @@ constexpr Displacement base_displacement(const BasePictures& pictures, int d) {
 
 struct BlockPrediction {
     CopyFrom from = CopyFrom::nothing;
-    Displacement displacement; // 0, 0 if the block copies nothing
+    Displacement displacement;   // 0, 0 if the block copies nothing
+    BorderMode mode = mode_none; // of blocks of pictures, which copy nothing
 
+    bool is_predicted() const { return copies() || mode != mode_none; }
     bool copies() const { return from != CopyFrom::nothing; }
     bool copies_base() const { return from == CopyFrom::base; }
     // 0 along s, 1 along t, -1 nothing. Precondition: !copies_base().
@@ -48,6 +51,7 @@ struct BlockPrediction {
 };
 
 bool copies_anything(std::span<const BlockPrediction> predictions);
+bool predicts_anything(std::span<const BlockPrediction> predictions); // copies or has a mode
 
 // What the coding of a block's prediction depends on: the predictions of the blocks before it in
 // the tree.
@@ -112,6 +116,10 @@ constexpr int displacement_class(int direction, int component) {
 // format forbids the prediction.
 bool decode_prediction(RansDecoder& rans, const CodeTables& tables, const BasePictures* base,
                        const Block& block, PredictionMemory& memory, BlockPrediction& out);
+
+// Decodes the border mode of a block of a picture.
+BlockPrediction decode_border_mode(RansDecoder& rans, const CodeTables& tables, const Block& block,
+                                   ModeMemory& memory);
 
 // The order in which the blocks of a tile are reconstructed.
 struct CopyDepths {

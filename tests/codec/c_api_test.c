@@ -772,7 +772,7 @@ static int test_options_out_of_range(void) {
     options.effort = -1;
     REFUSED(tessera_check_options(&texture, &options), TESSERA_BAD_ARGUMENT, "effort");
     options = lossless();
-    options.tile[0] = 65;
+    options.tile[0] = 257;
     REFUSED(tessera_check_options(&texture, &options), TESSERA_BAD_ARGUMENT, "tile");
     options = lossless();
     options.journal = 3;

@@ -84,7 +84,7 @@ TEST(CheckOptions, RefuseSizesBelowTheSmallestFile) {
 }
 
 TEST(CheckOptions, RefuseTilesOutOfRange) {
-    for (const Extent4& tile : {Extent4{65, 1, 1, 1}, Extent4{1, 1, 33, 1}, Extent4{8, 8, 0, 8},
+    for (const Extent4& tile : {Extent4{257, 1, 1, 1}, Extent4{1, 1, 33, 1}, Extent4{8, 8, 0, 8},
                                 Extent4{64, 64, 8, 13}}) {
         EncodeOptions options;
         options.tile_extent = tile;

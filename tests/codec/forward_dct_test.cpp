@@ -27,7 +27,7 @@ std::vector<float> forward(const std::vector<float>& texels, const BlockShape& s
 TEST(ForwardTransform, MatchesDoublePrecision) {
     Random random(3);
     std::vector<BlockShape> shapes = shapes_4d;
-    for (int n = 1; n <= max_tile_side; ++n)
+    for (int n = 1; n <= max_block_side; ++n)
         shapes.push_back(shape_of(n, 1, 1, 1)), shapes.push_back(shape_of(1, n, 1, 1)),
             shapes.push_back(shape_of(1, 3, n, 1)), shapes.push_back(shape_of(2, 1, 1, n));
     for (const BlockShape& shape : shapes) {
@@ -57,7 +57,7 @@ TEST(ForwardTransform, InverseRestoresTexels) {
 }
 
 TEST(ForwardTransform, SegmentsMatchTheSplitTree) {
-    for (int side = 1; side <= max_tile_side; ++side)
+    for (int side = 1; side <= max_block_side; ++side)
         for (int depth = 0; depth <= max_split_depth; ++depth) {
             const std::vector<Segment> segments = axis_segments(side, depth);
             ASSERT_EQ(segments.size(), std::size_t{1} << depth);

@@ -103,7 +103,7 @@ void report(const char* what, const Ieee1180& worst) {
 TEST(InverseTransform, MeetsIeee1180InEverySizeAlongEveryAxis) {
     for (std::size_t axis : {0u, 3u}) { // axis 0 uses inverse_rows, axis 3 inverse_planes
         Ieee1180 worst;
-        for (int n = 1; n <= max_side_along(axis); ++n) {
+        for (int n = 1; n <= std::min(max_block_side, max_side_along(axis)); ++n) {
             BlockShape shape;
             shape.n[axis] = static_cast<std::uint8_t>(n);
             const Ieee1180 one = ieee1180(shape, 40000);
@@ -162,7 +162,7 @@ std::vector<std::int32_t> random_integers(Random& random, std::size_t count) {
 
 TEST(KernelPaths, InverseRowsAreEqual) {
     Random random(5);
-    for (int n = 1; n <= max_tile_side; ++n)
+    for (int n = 1; n <= max_block_side; ++n)
         for (int support = 1; support <= std::min(n, max_frequencies); ++support)
             for (const int rows : {1, 5}) {
                 const auto in = random_integers(random, static_cast<std::size_t>(rows * support));
@@ -208,7 +208,7 @@ TEST(KernelPaths, UnrotatedColoursAreEqualAndCorrect) {
 
 TEST(KernelPaths, InversePlanesAreEqualAndLikeRows) {
     Random random(6);
-    for (int n = 1; n <= max_tile_side; ++n)
+    for (int n = 1; n <= max_block_side; ++n)
         for (int support = 1; support <= std::min(n, max_frequencies); ++support)
             for (const int inner : {1, 2, 3, 4, 7, 8, 9, 16, 31, 40}) {
                 const auto in = random_integers(random, static_cast<std::size_t>(support * inner));
@@ -272,7 +272,7 @@ std::vector<std::int32_t> expected_rows(const RowsTarget& to, std::vector<std::i
 
 TEST(KernelPaths, BlocksAreRoundedAndStoredCorrectly) {
     Random random(12);
-    for (int n = 1; n <= max_tile_side; ++n)
+    for (int n = 1; n <= max_block_side; ++n)
         for (const int shift : {0, 8, 14}) {
             const int nv = random.range(1, 5), ns = random.range(1, 3), nt = random.range(1, 3);
             const int row = n + random.range(0, 3), s_step = nv * row + random.range(0, 3);
@@ -307,7 +307,7 @@ TEST(KernelPaths, BlocksAreRoundedAndStoredCorrectly) {
 TEST(KernelPaths, CopiedPicturesAreEqual) {
     Random random(14);
     for (int filter = 0; filter < 8; ++filter)
-        for (int n = 1; n <= max_tile_side; ++n) {
+        for (int n = 1; n <= max_block_side; ++n) {
             const int stride = n + 2 + random.range(0, 3), shift = copy_shift(filter >= 4);
             std::vector<std::int32_t> texels(static_cast<std::size_t>(10 * stride + n + 2));
             for (std::int32_t& x : texels)
@@ -336,9 +336,9 @@ TEST(KernelPaths, CopiedPicturesAreEqual) {
 
 TEST(KernelPaths, CopiesAreEqual) {
     Random random(12);
-    constexpr std::size_t most = max_tile_side;
+    constexpr std::size_t most = max_block_side;
     for (int filter = 0; filter < 8; ++filter)
-        for (int n = 1; n <= max_tile_side; ++n) {
+        for (int n = 1; n <= max_block_side; ++n) {
             std::vector<std::vector<std::int32_t>> texels(3);
             for (auto& row : texels)
                 for (std::size_t i = 0; i < most + 2; ++i)
@@ -358,7 +358,7 @@ TEST(KernelPaths, CopiesAreEqual) {
 TEST(KernelPaths, PaddedRowsAreCorrect) {
     Random random(23);
     constexpr int rows = 3, limit = 1 << 14;
-    for (int n = 1; n <= max_tile_side; ++n) {
+    for (int n = 1; n <= max_block_side; ++n) {
         const int stride = n + 2 * filter_margin;
         std::vector<std::int32_t> in = random_integers(random, static_cast<std::size_t>(rows * n));
         std::fill_n(in.begin() + n, n, 0); // the second row
@@ -402,7 +402,7 @@ std::int64_t six_taps(const std::vector<std::int32_t>& from, int at, int step, i
 TEST(KernelPaths, FilteredBasePicturesAreCorrect) {
     Random random(21);
     for (int phase = 0; phase < base_unit; ++phase)
-        for (int n = 1; n <= max_tile_side; ++n) {
+        for (int n = 1; n <= max_block_side; ++n) {
             constexpr int rows = 8;
             // Buffers of the exact size let the address sanitizer detect reads past the end.
             const int stride = n + base_taps - 1 + random.range(0, 3);

@@ -20,7 +20,7 @@ struct Tile {
             block.origin[0] = static_cast<std::uint8_t>(4 * i);
             block.shape.n = {4, 4, 1, 1};
             tile.blocks.push_back(block);
-            tile.colours.push_back(0);
+            tile.colours.emplace_back();
             PlaneLevels plane;
             plane.first = static_cast<std::uint32_t>(tile.nonzeros.size());
             plane.count = plane.coded_length = levels[i] != 0;
@@ -109,7 +109,7 @@ TEST(LevelBalance, RotatedBlocksKeepTheirFirstPlane) {
     TileLevels tile;
     tile.shape.n = {4, 4, 1, 1};
     tile.blocks = {Block{{0, 0, 0, 0}, tile.shape, 0, 0}};
-    tile.colours = {1};
+    tile.colours = {{.rotation = 1}};
     tile.nonzeros = {{0, 1}};
     tile.planes = {{0, 1, 1}, {1, 0, 0}, {1, 0, 0}};
     TileTexels texels;

@@ -17,7 +17,7 @@ CodedThing coded_thing() {
     CodedThing thing;
     TileLevels& levels = thing.levels;
     levels.splits = {1, 0, 0, 2, 0, 0};
-    levels.colours = {0, 3};
+    levels.colours = {{}, {.rotation = 3}};
     levels.predictions = {{}, {CopyFrom::along_s, {-1, 2}}};
     levels.planes = {{0, 1, 4}, {1, 2, 8}};
     levels.nonzeros = {{0, 5}, {2, -1}, {7, 1 << 19}};
@@ -31,7 +31,14 @@ TEST(LevelsSum, DiffersForEveryChange) {
         [](CodedThing&) {},
         [](CodedThing& x) { x.levels.base_blocks = 1; },
         [](CodedThing& x) { x.levels.splits[2] = 1; },
-        [](CodedThing& x) { x.levels.colours[1] = 0; },
+        [](CodedThing& x) { x.levels.colours[1] = {}; },
+        [](CodedThing& x) {
+            x.levels.colours[0].share = {2, 0};
+        },
+        [](CodedThing& x) {
+            x.levels.colours[0].share = {0, 2};
+        },
+        [](CodedThing& x) { x.levels.predictions[0].mode = 1; },
         [](CodedThing& x) { x.levels.predictions[1].from = CopyFrom::along_t; },
         [](CodedThing& x) {
             x.levels.predictions[1].displacement = {2, -1};

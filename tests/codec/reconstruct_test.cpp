@@ -72,7 +72,8 @@ TEST(Reconstruct, MatchesDoublePrecisionOnRandomTiles) {
                         ++count;
                     }
                 }
-            if (type == SampleType::unorm8)
+            constexpr double enough = 100; // values for a mean of rounding errors
+            if (type == SampleType::unorm8 && count >= enough)
                 worst_mse = std::max(worst_mse, squares / count);
         }
     // Rounding to sixteenths alone gives an error of 1 / 12 / 256.

@@ -32,7 +32,7 @@ protected:
 
 TEST_F(SearchPaths, ForwardPassesAreEqual) {
     Random random(7);
-    for (int n = 1; n <= max_tile_side; ++n)
+    for (int n = 1; n <= max_block_side; ++n)
         for (const int inner : {1, 2, 3, 5, 8, 11, 16, 64}) {
             const auto in = random_floats(random, n * inner, 1e4);
             std::vector<float> a(in.size()), b(in.size(), 1);
@@ -53,8 +53,8 @@ TEST_F(SearchPaths, ForwardPassesAreEqual) {
 // The transform keeps the low frequencies in the order of forward_order.
 TEST_F(SearchPaths, ForwardImagesAreEqualAndCorrect) {
     Random random(14);
-    for (int nu = 1; nu <= max_tile_side; ++nu)
-        for (int nv = 1; nv <= max_tile_side; ++nv) {
+    for (int nu = 1; nu <= max_block_side; ++nu)
+        for (int nv = 1; nv <= max_block_side; ++nv) {
             const int stride = nu + random.range(0, 3), kept_u = forward_kept(nu);
             // A buffer of the exact size lets the address sanitizer detect reads past the end.
             const auto in = random_floats(random, stride * (nv - 1) + nu, 255);
@@ -110,8 +110,8 @@ TEST_F(SearchPaths, SquaredDifferencesAreEqualAndCorrect) {
                                    : random.range(0, 1) * 2 * matching_limit - matching_limit);
         return x;
     };
-    for (int n = 1; n <= max_tile_side; ++n)
-        for (const int rows : {1, 4, 7, max_tile_side}) {
+    for (int n = 1; n <= max_block_side; ++n)
+        for (const int rows : {1, 4, 7, max_block_side}) {
             const int a_stride = n + 1, b_stride = n + 3, first = random.range(-3, 5), last = 4;
             const auto a = values(a_stride * (rows - 1) + n), b = values(b_stride * last + n);
             std::vector<std::int64_t> right(static_cast<std::size_t>(n));

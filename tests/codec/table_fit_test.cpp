@@ -29,7 +29,7 @@ TEST(TableFit, FittedTablesBeatOthers) {
         encode_levels(tile, {}, TileCoding(parameters, SampleType::unorm8, 3), payload);
         return payload.size();
     };
-    const std::size_t fitted = size_with(fit_parameters(statistics));
+    const std::size_t fitted = size_with(fit_parameters(statistics, DefaultSet::views));
     EXPECT_LT(fitted, size_with(default_parameters()));
     EXPECT_LT(fitted, size_with(random_parameters(random)));
 }

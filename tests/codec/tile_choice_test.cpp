@@ -98,7 +98,7 @@ TEST(TileShapes, CutViewsEvenly) {
     EXPECT_EQ(shapes_of({256, 256, 5, 5}), (Shapes{{52, 43, 5, 5}, {64, 64, 3, 3}}));
     EXPECT_EQ(shapes_of({96, 64, 27, 27}),
               (Shapes{{11, 8, 27, 27}, {20, 16, 14, 14}, {32, 32, 7, 7}, {48, 64, 4, 4}}));
-    EXPECT_EQ(shapes_of({256, 256, 1, 1}), (Shapes{{64, 64, 1, 1}}));
+    EXPECT_EQ(shapes_of({256, 256, 1, 1}), (Shapes{{256, 256, 1, 1}}));
 }
 
 TEST(TileShapes, LargeTilesSuitCameraGrids) {

@@ -85,7 +85,7 @@ TEST(TileEntropy, EveryCodedLengthRoundTrips) {
             want.shape = shape;
             want.splits = {0};
             want.blocks = {Block{{0, 0, 0, 0}, shape, 0, 0}};
-            want.colours = {0};
+            want.colours.resize(1);
             want.nonzeros = {{static_cast<std::uint16_t>(last), -3}};
             const int length = round_up_coded_length(last + 1, coding.shape(shape).order.length());
             ASSERT_GT(length, last);
@@ -164,7 +164,7 @@ TEST(TileEntropy, SegmentsOfLargeTilesFitTheirTable) {
     add_leaves(Block{{0, 0, 0, 0}, shape, 0, 0}, 512, tile);
     for (const Block& block : tile.blocks) {
         const int last = coding.shape(block.shape).order.length() - 1;
-        tile.colours.push_back(0);
+        tile.colours.emplace_back();
         for (int plane = 0; plane < 4; ++plane) {
             tile.planes.push_back({static_cast<std::uint32_t>(tile.nonzeros.size()), 1,
                                    static_cast<std::uint16_t>(last + 1)});
@@ -185,7 +185,7 @@ TEST(TileEntropy, TooMuchWorkIsRefused) {
     tile.shape = shape;
     tile.splits = {0};
     tile.blocks = {Block{{0, 0, 0, 0}, shape, 0, 0}};
-    tile.colours = {0};
+    tile.colours.resize(1);
     for (std::uint32_t plane = 0; plane < 4; ++plane) {
         tile.nonzeros.push_back({4095, 1});
         PlaneLevels levels;

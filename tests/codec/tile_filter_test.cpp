@@ -47,7 +47,7 @@ TEST(TileFilter, EveryPathGivesTheSameBits) {
     for (int round = 0; round < 400; ++round) {
         const int n = random.range(1, max_tile_side);
         const int most = round % 3 == 0 ? 16383 : round % 3 == 1 ? 600 : 40; // largest value
-        std::vector<std::int16_t> narrow(4200);
+        std::vector<std::int16_t> narrow(5000);
         for (std::int16_t& value : narrow)
             value = static_cast<std::int16_t>(random.range(-most - 1, most));
         const std::vector<std::int32_t> wide(narrow.begin(), narrow.end());

@@ -35,9 +35,9 @@ MemoryTexture texture_with_parallax(SampleType type) {
             };
             const double f = x - i, g = y - j;
             const double grain = (u * 7 + v * 13 + s * 29 + t * 31 + c * 3) % 17 / 17.0;
-            return gain * (0.9 * ((1 - g) * ((1 - f) * at(i, j) + f * at(i + 1, j)) +
-                                  g * ((1 - f) * at(i, j + 1) + f * at(i + 1, j + 1))) +
-                           0.1 * grain);
+            return gain * (0.97 * ((1 - g) * ((1 - f) * at(i, j) + f * at(i + 1, j)) +
+                                   g * ((1 - f) * at(i, j + 1) + f * at(i + 1, j + 1))) +
+                           0.03 * grain);
         }};
 }
 

@@ -143,6 +143,11 @@ TEST_F(GpuSample, LongTilesAreSampledAsOnTheCpu) {
     check(mixed_file(SampleType::unorm8, 3, 60, false, {128, 64, 3, 2}, {64, 64, 4, 4}));
     check(mixed_file(SampleType::half16, 4, 60, false, {125, 45, 4, 4}, {63, 45, 3, 3}));
     check(mixed_file(SampleType::unorm8, 3, 60, false, {64, 2, 32, 20}, {64, 1, 32, 32}));
+    // Tiles larger than blocks, of four views and of one.
+    check(mixed_file(SampleType::unorm8, 3, 60, false, {300, 200, 2, 2}, {256, 256, 2, 2}));
+    check(random_case(64, SampleType::half16, 3, {400, 90, 1, 1}, {256, 128, 1, 1}, 0.8, 0.005, 4,
+                      0.8)
+              .file);
     // Trees of 11 levels.
     check(
         random_case(63, SampleType::unorm8, 3, {128, 2, 32, 2}, {64, 1, 32, 1}, 0.99, 0.3, 4).file);

@@ -82,7 +82,6 @@ void expect_same_texels(const DecodeCase& test, Machine& machine) {
     const Opened file = open(test.file);
     const ContainerReader& reader = file.decoder->container();
     const Atlas atlas(reader.grid());
-    machine.load_tables(file.tables->words());
     BatchBuilder builder(*file.tables, reader.grid(), {.tiles = 64}, atlas.plan);
     std::uint64_t tile = 0;
     while (tile < reader.tile_count()) {
@@ -94,6 +93,7 @@ void expect_same_texels(const DecodeCase& test, Machine& machine) {
         }
         const DecodeBatch batch = builder.finish();
         EXPECT_TRUE(batch.damaged.empty());
+        machine.load_tables(file.tables->words());
         atlas.resize_image(batch.tiles.size());
         machine.run(batch);
         EXPECT_EQ(image.outside, 0u);
@@ -129,11 +129,20 @@ TEST(ShaderCore, PredictedTilesDecodeAsOnTheCpu) {
     RecordProperty("most_rounds", static_cast<int>(machine.most_rounds));
 }
 
+TEST(ShaderCore, PicturesDecodeAsOnTheCpu) {
+    Machine machine;
+    for (const DecodeCase& test : picture_cases())
+        expect_same_texels(test, machine);
+    EXPECT_GT(machine.most_steps, 50u);
+    RecordProperty("most_rounds", static_cast<int>(machine.most_rounds));
+    RecordProperty("most_steps", static_cast<int>(machine.most_steps));
+}
+
 TEST(ShaderCore, BasisMatchesTheFormat) {
     const DecodeCase test = encoded_case("constant", {{1, 1, 1, 1}, SampleType::unorm8, 1},
                                          {RateTarget::Kind::quality, 50});
     Machine().load_tables(open(test.file).tables->words());
-    for (int n = 1; n <= max_tile_side; ++n)
+    for (int n = 1; n <= max_block_side; ++n)
         for (int k = 0; k < std::min(n, max_frequencies); ++k)
             for (int x = 0; x < n; ++x)
                 ASSERT_EQ(
@@ -141,14 +150,49 @@ TEST(ShaderCore, BasisMatchesTheFormat) {
                     basis(n)[k * n + x])
                     << n << " " << k << " " << x;
     // The tables lie one behind the other.
-    EXPECT_EQ(shaders::tsr_t_base_displacement + shaders::tsr_symbol_words,
+    EXPECT_EQ(shaders::tsr_t_mode + mode_contexts * shaders::tsr_symbol_words,
               shaders::tsr_t_rotation);
-    EXPECT_EQ(shaders::tsr_t_base_filter + base_unit * base_taps, shaders::tsr_t_filter);
+    EXPECT_EQ(shaders::tsr_t_direction + border_directions, shaders::tsr_t_filter);
     EXPECT_EQ(shaders::tsr_t_filter + 4 * filter_rings, shaders::tsr_t_basis);
     EXPECT_EQ(shaders::tsr_basis_of(max_frequencies) + max_frequencies * max_frequencies,
               shaders::tsr_t_wide_basis);
-    EXPECT_EQ(shaders::tsr_basis_of(max_tile_side) + max_frequencies * max_tile_side,
+    EXPECT_EQ(shaders::tsr_basis_of(max_block_side) + max_frequencies * max_block_side,
               shaders::tsr_t_end);
+}
+
+// Adds shapes until there is no room left. The shapes of any tile must fit after that.
+TEST(ShaderCore, ScanTablesTakeBoundedMemory) {
+    const Extent4 size{40, 40, 8, 8};
+    const ShaderOracle file(empty_file({size, SampleType::unorm8, 3}, size, {}, false));
+    auto tables = DecodeTables::make(file.reader());
+    ASSERT_TRUE(tables);
+    std::set<BlockShape> shapes{shape_of(40, 40, 8, 8)};
+    for (bool grows = true; grows;) {
+        const std::size_t before = shapes.size();
+        for (const BlockShape& shape : std::set(shapes))
+            for (const Split split : {Split::spatial, Split::angular, Split::u, Split::v})
+                if (can_split(shape, split)) {
+                    const Children children = children_of(Block{{}, shape, 0, 0}, split);
+                    for (int i = 0; i < children.count; ++i)
+                        shapes.insert(children.block[static_cast<std::size_t>(i)].shape);
+                }
+        grows = shapes.size() > before;
+    }
+    std::size_t refused = 0;
+    for (const BlockShape& shape : shapes) {
+        const std::array one{shape};
+        if (!tables->add_scans(one)) {
+            ++refused;
+            tables->forget_scans();
+            EXPECT_TRUE(tables->add_scans(one));
+        }
+        EXPECT_LE(tables->words().size(), tables->most_words());
+    }
+    EXPECT_GT(refused, 0u);
+    EXPECT_EQ(tables->generation(), refused);
+    // The bound is what the largest tile can need.
+    EXPECT_LE(tables->most_words() - tables->words_before_scans(),
+              std::size_t{40 * 40 * 8 * 8} * shaders::tsr_scan_words);
 }
 
 // ---- Arbitrary bytes.
@@ -166,7 +210,9 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
                              File{{{9, 4, 3, 4}, SampleType::half16, 4}, {5, 4, 3, 4}},
                              File{{{1, 1, 1, 1}, SampleType::unorm8, 2}, {1, 1, 1, 1}},
                              File{{{2, 3, 17, 5}, SampleType::unorm8, 1}, {2, 3, 17, 5}},
-                             File{{{41, 2, 3, 2}, SampleType::unorm8, 3}, {64, 2, 3, 2}}}) {
+                             File{{{41, 2, 3, 2}, SampleType::unorm8, 3}, {64, 2, 3, 2}},
+                             File{{{19, 14, 1, 1}, SampleType::half16, 3}, {19, 14, 1, 1}},
+                             File{{{70, 5, 1, 1}, SampleType::unorm8, 4}, {70, 5, 1, 1}}}) {
         Random random(++number);
         CodingParameters parameters;
         parameters.parameters = random_parameters(random);
@@ -337,7 +383,7 @@ public:
         TileLevels tile;
         tile.shape = nodes_[0].block.shape;
         append(0, tile);
-        tile.colours.assign(tile.blocks.size(), 0);
+        tile.colours.assign(tile.blocks.size(), BlockColour{});
         for (std::size_t block = 0; block < tile.blocks.size(); ++block)
             for (int plane = 0; plane < planes; ++plane) {
                 const Run wanted = run(block, plane);
@@ -372,10 +418,12 @@ private:
     std::vector<Node> nodes_;
 };
 
-ShaderOracle file_of_one_tile(const Extent4& size, std::uint8_t channels) {
+ShaderOracle file_of_one_tile(const Extent4& size, std::uint8_t channels, bool predicts = false) {
     CodingParameters parameters;
     parameters.step.fill(StepCode::nearest(30));
-    return ShaderOracle(empty_file({size, SampleType::unorm8, channels}, size, parameters, true));
+    parameters.prediction = predicts;
+    return ShaderOracle(
+        empty_file({size, SampleType::unorm8, channels}, size, parameters, !predicts));
 }
 
 TEST(ShaderCore, TheLargestWorkOfASegmentStaysBelowTheBoundOnRounds) {
@@ -395,6 +443,28 @@ TEST(ShaderCore, TheLargestWorkOfASegmentStaysBelowTheBoundOnRounds) {
     EXPECT_EQ(file.check(payload, {}), "");
     EXPECT_EQ(file.accepted(), 1u);
     EXPECT_EQ(file.most_rounds(), 16000u);
+    EXPECT_LT(file.most_rounds(), shader_round_limit);
+}
+
+// As many blocks with shares as a segment allows, each with a single coefficient.
+TEST(ShaderCore, SharesStayBelowTheBoundOnRounds) {
+    CodingParameters parameters;
+    parameters.step.fill(StepCode::nearest(30));
+    parameters.colour_rotation = true;
+    const Extent4 size{64, 64, 1, 1};
+    ShaderOracle file(empty_file({size, SampleType::unorm8, 3}, size, parameters, true));
+    HandMadeTile tile(shape_of(64, 64, 1, 1));
+    tile.split(1365, 4, Split::spatial);
+    TileLevels levels = tile.levels(3, [](std::size_t, int plane) {
+        return HandMadeTile::Run{plane == 0 ? 1 : 0, true};
+    });
+    for (std::size_t i = 0; i < levels.colours.size(); ++i)
+        levels.colours[i].share = {static_cast<std::int8_t>(1 + i % 2), 1};
+    Bytes payload;
+    encode_levels(levels, {}, file.coding(), payload, max_segment_work);
+    EXPECT_EQ(check_one(file, payload, {}), "");
+    EXPECT_EQ(file.accepted(), 1u);
+    EXPECT_GT(file.most_rounds(), 15000u);
     EXPECT_LT(file.most_rounds(), shader_round_limit);
 }
 
@@ -459,15 +529,15 @@ TEST(ShaderCore, BlocksAreNoMoreThanTheFormatAllows) {
 TEST(ShaderCore, AnInvocationCutsNoMoreItemsThanATileHas) {
     using namespace shaders;
     const ShaderOracle file = file_of_one_tile({8, 8, 8, 8}, 4);
-    const auto tables = DecodeTables::make(file.reader());
+    auto tables = DecodeTables::make(file.reader());
     ASSERT_TRUE(tables);
-    std::vector<std::uint32_t> words(tables->words().begin(), tables->words().end());
-    words[words[tsr_t_shapes] + tsr_s_sides] = 64u | 64u << 8 | 32u << 16 | 32u << 24;
-    Machine machine;
-    machine.load_tables(words);
     BatchBuilder builder(*tables, file.reader().grid(), {}, {});
     ASSERT_TRUE(builder.add(0, Bytes{}, {}));
     const DecodeBatch batch = builder.finish();
+    std::vector<std::uint32_t> words(tables->words().begin(), tables->words().end());
+    words[words[tsr_t_shapes] + tsr_s_sides] = 64u | 64u << 9 | 32u << 18 | 32u << 24;
+    Machine machine;
+    machine.load_tables(words);
     machine.decode_levels(batch);
     const std::uint32_t state = tsr_state_at(0), blocks = tsr_max_blocks;
     tsr_work.assign(tsr_batch[tsr_b_blocks_at] + blocks * tsr_block_words, 0);
@@ -483,7 +553,8 @@ TEST(ShaderCore, AnInvocationCutsNoMoreItemsThanATileHas) {
     EXPECT_LE(machine.most_rounds, shader_round_limit);
 }
 
-// Splits every side until all blocks are single texels: 11 levels, the deepest possible tree.
+// Splits every side until all blocks are single texels, which takes 11 levels; and one path down to a
+// texel along u and along v separately, which takes 14 levels.
 TEST(ShaderCore, TheDeepestTreeIsDecodedAsOnTheCpu) {
     for (const bool spatial_first : {true, false}) {
         ShaderOracle file = file_of_one_tile({1, 64, 1, 32}, 1);
@@ -495,6 +566,14 @@ TEST(ShaderCore, TheDeepestTreeIsDecodedAsOnTheCpu) {
         EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {}), "");
         EXPECT_EQ(file.accepted(), 1u);
     }
+    ShaderOracle file = file_of_one_tile({256, 256, 1, 1}, 1);
+    HandMadeTile tile(shape_of(256, 256, 1, 1));
+    ASSERT_EQ(tile.split(5, 4, Split::spatial), 0); // which have no symbols
+    for (int level = 0; level < 6; ++level)
+        for (const Split kind : {Split::u, Split::v})
+            tile.split_first(kind);
+    EXPECT_EQ(check_one(file, payload_of_tree(tile, file), {}), "");
+    EXPECT_EQ(file.accepted(), 1u);
 }
 
 // Sides of 9 and 17 give the longest queue of siblings.
@@ -542,15 +621,43 @@ TEST(ShaderCore, CopiesAreAsDeepAsOnTheCpu) {
                 const int s = block.origin[2], t = block.origin[3];
                 BlockPrediction p;
                 if (s > 0 && (t == 0 || (s + t) % 2 == 0))
-                    p = {CopyFrom::along_s, {3, static_cast<std::int8_t>(-s)}};
+                    p = {CopyFrom::along_s, {3, static_cast<std::int8_t>(-s)}, mode_none};
                 else if (t > 0)
-                    p = {CopyFrom::along_t, {static_cast<std::int8_t>(t), -1}};
+                    p = {CopyFrom::along_t, {static_cast<std::int8_t>(t), -1}, mode_none};
                 levels.predictions.push_back(p);
             }
             Bytes payload;
             encode_levels(levels, {}, file.coding(), payload);
             EXPECT_EQ(check_one(file, payload, {}), "");
             EXPECT_EQ(file.accepted(), views.accepted ? 1u : 0u);
+        }
+}
+
+// A picture with as many blocks as a tile may have, all of them predicted from their border: squares
+// of 4x4 and strips of 1x16.
+TEST(ShaderCore, PredictionsFromBordersStayBelowTheBoundOnRounds) {
+    for (const bool strips : {false, true})
+        for (const BorderMode mode : {mode_mean, mode_planar, BorderMode{5}, mode_vertical}) {
+            SCOPED_TRACE(int{mode});
+            ShaderOracle file = file_of_one_tile({256, 256, 1, 1}, 1, true);
+            HandMadeTile tile(shape_of(256, 256, 1, 1));
+            ASSERT_EQ(tile.split(strips ? 5 : 1365, 4, Split::spatial), 0);
+            if (strips) {
+                ASSERT_EQ(tile.split(16 + 32, 2, Split::v), 0);
+                tile.split(4096, 2, Split::u);
+            }
+            TileLevels levels = tile.levels(1, [](std::size_t block, int) {
+                return HandMadeTile::Run{block % 5 == 0 ? 2 : 0, true};
+            });
+            ASSERT_EQ(levels.blocks.size(), static_cast<std::size_t>(max_leaves));
+            levels.predictions.assign(levels.blocks.size(),
+                                      {CopyFrom::nothing, Displacement{}, mode});
+            Bytes payload;
+            encode_levels(levels, {}, file.coding(), payload);
+            EXPECT_EQ(check_one(file, payload, {}), "");
+            EXPECT_EQ(file.accepted(), 1u);
+            EXPECT_LT(file.most_rounds(), shader_round_limit);
+            EXPECT_GT(file.most_steps(), 200u);
         }
 }
 

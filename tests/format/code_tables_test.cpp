@@ -82,7 +82,9 @@ TEST(CodeTables, FollowTheOrderOfParameters) {
     expect_first(tables.correction.front(), correction_offset);
     expect_first(tables.correction.back(), colour_offset - correction_chain);
     expect_first(tables.colour.front(), colour_offset);
-    expect_first(tables.colour.back(), prediction_offset - colour_kinds + 1);
+    expect_first(tables.colour.back(), share_offset - colour_kinds + 1);
+    expect_first(tables.share.front(), share_offset);
+    expect_first(tables.share.back(), prediction_offset - share_tokens + 1);
     expect_first(tables.prediction.front(), prediction_offset);
     expect_first(tables.prediction.back(), displacement_kind_offset - prediction_kinds + 1);
     expect_first(tables.displacement_kind.front(), displacement_kind_offset);
@@ -93,6 +95,8 @@ TEST(CodeTables, FollowTheOrderOfParameters) {
     expect_first(tables.from_base.front(), from_base_offset);
     expect_first(tables.from_base.back(), from_base_offset + 1);
     expect_first(tables.base_displacement, base_displacement_offset);
+    expect_first(tables.mode.front(), mode_offset);
+    expect_first(tables.mode.back(), parameter_count - mode_symbols + 1);
 }
 
 TEST(CodeTables, OddsFollowTheFormula) {

@@ -9,7 +9,7 @@ namespace {
 
 TEST(Basis, IsTheRoundedCosineFarFromTies) {
     double nearest_tie = 1;
-    for (int n = 1; n <= max_tile_side; ++n)
+    for (int n = 1; n <= max_block_side; ++n)
         for (int k = 0; k < std::min(n, max_frequencies); ++k)
             for (int x = 0; x < n; ++x) {
                 const long double exact =

@@ -26,7 +26,11 @@ constexpr std::int32_t colour_rotations[] = {
 };
 
 TEST(FormatTables, DefaultParametersHaveTheStatedChecksum) {
-    EXPECT_EQ(crc32c(std::as_bytes(std::span(default_parameters()))), 0x324C373Fu);
+    const auto checksum = [](DefaultSet set) {
+        return crc32c(std::as_bytes(std::span(default_parameters(set))));
+    };
+    EXPECT_EQ(checksum(DefaultSet::views), 0x55238464u);
+    EXPECT_EQ(checksum(DefaultSet::pictures), 0x861313A8u);
 }
 
 TEST(FormatTables, FrequenciesOfParameters) {
@@ -37,7 +41,7 @@ TEST(FormatTables, FrequenciesOfParameters) {
 
 TEST(FormatTables, Basis) {
     const std::int32_t* wave = basis_waves;
-    for (int n = 1; n <= max_tile_side; ++n) {
+    for (int n = 1; n <= max_block_side; ++n) {
         ASSERT_LE(wave + n + 1, std::end(basis_waves)) << n;
         for (int k = 0; k < std::min(n, max_frequencies); ++k)
             for (int x = 0; x < n; ++x) { // follows the rule in the header of the table

@@ -13,13 +13,15 @@ namespace {
 
 // The last two have a base picture that is split into four, and more texels than a tile with
 // corrections may have.
-constexpr std::array<std::array<std::uint8_t, 4>, 7> shapes = {{{7, 5, 3, 2},
-                                                                {8, 8, 8, 8},
-                                                                {32, 32, 8, 8},
-                                                                {1, 1, 1, 1},
-                                                                {17, 9, 5, 3},
-                                                                {64, 9, 2, 2},
-                                                                {64, 64, 5, 4}}};
+constexpr std::array<std::array<std::uint16_t, 4>, 9> shapes = {{{7, 5, 3, 2},
+                                                                 {8, 8, 8, 8},
+                                                                 {32, 32, 8, 8},
+                                                                 {1, 1, 1, 1},
+                                                                 {17, 9, 5, 3},
+                                                                 {64, 9, 2, 2},
+                                                                 {64, 64, 5, 4},
+                                                                 {150, 83, 1, 1},
+                                                                 {40, 64, 1, 1}}};
 
 constexpr int settings_count = 12; // the last four have predictions
 

@@ -89,6 +89,15 @@ void regenerate_golden() {
             {3, 6, 3, 3});
     texture("background.tess", "constant", {40, 20, 16, 8}, 3, unorm8, {Kind::quality, 75},
             {8, 8, 4, 4});
+    CodeTexture picture({{150, 83, 1, 1}, unorm8, 3},
+                        [](double u, double v, double, double, int c) {
+                            return test::moving_picture(150 * u, 83 * v, c);
+                        });
+    write("picture8.tess", picture, {Kind::quality, 60}, {150, 83, 1, 1}, usual_effort);
+    CodeTexture bright({{40, 33, 1, 1}, half16, 4}, [](double u, double v, double, double, int c) {
+        return c == 3 ? v : 40 * test::moving_picture(20 * u, 16 * v, c) - 12;
+    });
+    write("picture_half.tess", bright, {Kind::quality, 50}, {32, 40, 1, 1}, most_effort);
     texture("sparse8.tess", "sparse", {40, 20, 3, 3}, 3, unorm8, {Kind::quality, 40}, {8, 8, 4, 4});
 }
 
@@ -112,7 +121,7 @@ TEST(GoldenFiles, DecodeToTheFrozenTexels) {
         EXPECT_EQ(specification.metadata.count("Title"), 1u) << name;
         ++count;
     }
-    EXPECT_EQ(count, 15);
+    EXPECT_EQ(count, 17);
 }
 
 } // namespace

@@ -87,6 +87,8 @@ TEST(Reference, AlignedViews) {
         for (const RateTarget& rate :
              {RateTarget{Kind::quality, 60}, RateTarget{Kind::max_error, 0}})
             for (const int v : {2, -2}) {
+                if (type == SampleType::half16 && rate.kind == Kind::max_error)
+                    continue; // such tiles are stored
                 test::MemoryTexture texture = test::moving_views({{41, 40, 3, 4}, type, 1}, 2, v);
                 const Bytes file = encode(texture, rate, {16, 12, 3, 4}, {}, test::copies_effort);
                 EXPECT_EQ(file[16] & std::byte{64}, std::byte{64}); // feature 6

@@ -107,7 +107,7 @@ void inverse_transform(std::vector<int64_t>& values, const Vector4& n, int bits)
         value = (value + (int64_t{1} << (bits - 1))) >> bits;
 }
 
-// ------------------------------------------------------------------------------ 4.4 rotated colour
+// ------------------------------------------------------------------------------ 4.4 colour of blocks
 
 namespace {
 
@@ -159,7 +159,11 @@ std::vector<Matrix> make_rotations() {
     return rotations; // 49 in ascending lexicographic order
 }
 
-std::array<int64_t, 3> rotate(const Matrix& Q, const std::array<int64_t, 3>& x) {
+Matrix shares_matrix(int a, int b) {
+    return {{{4096, 0, 0}, {256 * a, 4096, 0}, {128 * b, 0, 4096}}};
+}
+
+std::array<int64_t, 3> recolour(const Matrix& Q, const std::array<int64_t, 3>& x) {
     std::array<int64_t, 3> result{};
     for (size_t i = 0; i < 3; ++i) {
         int64_t H = 0, L = 0;

@@ -54,7 +54,11 @@ using Matrix = std::array<std::array<int64_t, 3>, 3>; // [row][column]
 // The 49 rotations in ascending lexicographic order.
 std::vector<Matrix> make_rotations();
 
-std::array<int64_t, 3> rotate(const Matrix& Q, const std::array<int64_t, 3>& x);
+// The matrix of a block whose Co and Cg are predicted from luma with the shares a and b.
+Matrix shares_matrix(int a, int b);
+
+// Multiplies the coefficients of planes 0, 1, 2 at one frequency by Q.
+std::array<int64_t, 3> recolour(const Matrix& Q, const std::array<int64_t, 3>& x);
 
 int64_t code_of(uint16_t sample, int sample_type);
 

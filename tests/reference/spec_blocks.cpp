@@ -50,41 +50,84 @@ const Scan& TileDecoder::scan_of(const Vector4& n) {
 
 // 3.4. Reads the tree of the tile's base picture if the tile has one.
 void TileDecoder::read_base_tree(Stream& stream) {
-    if (!code_.base_margin || size_[2] * size_[3] < 4)
+    if (!code_.base_margin || size_[2] * size_[3] < 4 || size_[0] > 64 || size_[1] > 64)
         return;
     base_size_ = {size_[0] + 2 * *code_.base_margin, size_[1] + 2 * *code_.base_margin, 1, 1};
     has_base_ = stream.symbol(code_.base) == 1;
-    if (has_base_)
+    if (has_base_) {
+        begin_picture(base_size_);
         read_split_tree(stream, {0, 0, 0, 0}, base_size_, 0, 5, true);
+    }
+}
+
+void TileDecoder::begin_picture(const Vector4& size) {
+    picture_size_ = size;
+    mode_at_.assign(static_cast<size_t>(product(size)), 0);
+}
+
+// 3.4, "Pictures"
+void TileDecoder::read_mode(Stream& stream, Block& block) {
+    const auto mode_at = [&](int u, int v) {
+        return u < 0 || v < 0 ? 0 : mode_at_[place({u, v, 0, 0}, picture_size_)];
+    };
+    const auto kind = [](int mode) { return mode == 0 ? 0 : mode <= 2 ? 1 : 2; };
+    const int A = mode_at(block.begin[0], block.begin[1] - 1);
+    const int L = mode_at(block.begin[0] - 1, block.begin[1]);
+    const int symbol = stream.symbol(code_.mode[3 * kind(A) + kind(L)]);
+    std::vector<int> likely;
+    for (const int mode : {L, A, 27, 11})
+        if (mode >= 3 && std::count(likely.begin(), likely.end(), mode) == 0)
+            likely.push_back(mode);
+    if (symbol <= 2)
+        block.mode = symbol;
+    else if (symbol <= 4)
+        block.mode = likely[static_cast<size_t>(symbol - 3)];
+    else
+        block.mode = 3 + static_cast<int>(stream.raw(5));
+    for_each_place(block.size, [&](const Vector4& at) {
+        mode_at_[place({block.begin[0] + at[0], block.begin[1] + at[1], 0, 0}, picture_size_)] =
+            block.mode;
+    });
 }
 
 void TileDecoder::read_split_tree(Stream& stream, const Vector4& begin, const Vector4& size, int a,
                                   int b, bool of_base) {
     ++nodes_;
-    const bool is_cut = of_base && (size[0] > 64 || size[1] > 64);
+    const bool is_cut = size[0] > 64 || size[1] > 64;
     const int split = is_cut ? 1 : stream.symbol(code_.split[std::min(a, 5)][std::min(b, 5)]);
     if (split == 0) {
         require(blocks_.size() < 4096, "tile: too many blocks");
-        blocks_.push_back({begin, size, of_base, false, -1, {}, {}, -1, {}});
-        if (code_.has_predictions && !of_base)
-            read_prediction(stream, blocks_.back());
+        Block& block = blocks_.emplace_back();
+        block.begin = begin;
+        block.size = size;
+        block.of_base = of_base;
+        if (code_.has_predictions && is_in_picture(block))
+            read_mode(stream, block);
+        else if (code_.has_predictions)
+            read_prediction(stream, block);
         return;
     }
-    const size_t first = split == 1 ? 0 : 2, second = first + 1;
-    require(size[first] > 1 || size[second] > 1, "tile: a split must divide a side");
-    // Each axis has two halves, 0 and 1. A side of 1 has no half 1.
-    for (int j = 0; j < 2; ++j)
-        for (int i = 0; i < 2; ++i) {
-            Vector4 child_begin = begin, child_size = size;
-            for (const auto& [axis, part] : {std::pair{first, i}, std::pair{second, j}}) {
-                const int half = (size[axis] + 1) / 2;
-                child_begin[axis] += part == 0 ? 0 : half;
-                child_size[axis] = part == 0 ? half : size[axis] - half;
-            }
-            if (product(child_size) > 0)
-                read_split_tree(stream, child_begin, child_size, a + (split == 1), b + (split == 2),
-                                of_base);
+    static constexpr bool divides[5][4] = {
+        {}, {true, true}, {false, false, true, true}, {true}, {false, true}};
+    const auto& divided = divides[split]; // the axes that this split divides
+    bool divides_a_side = false;
+    for (size_t axis = 0; axis < 4; ++axis)
+        divides_a_side = divides_a_side || (divided[axis] && size[axis] > 1);
+    require(divides_a_side, "tile: a split must divide a side");
+    // The bits of `part` say which half of each axis the child takes; u has the lowest bit. An axis
+    // that is not divided, and one of side 1, has no half 1.
+    for (int part = 0; part < 16; ++part) {
+        Vector4 child_begin = begin, child_size = size;
+        for (size_t axis = 0; axis < 4; ++axis) {
+            const bool second = part >> axis & 1;
+            const int half = divided[axis] ? (size[axis] + 1) / 2 : size[axis];
+            child_begin[axis] += second ? half : 0;
+            child_size[axis] = second ? size[axis] - half : half;
         }
+        if (product(child_size) > 0)
+            read_split_tree(stream, child_begin, child_size, a + (split != 2), b + (split == 2),
+                            of_base);
+    }
 }
 
 int TileDecoder::read_difference(Stream& stream, const Table& table) {
@@ -135,9 +178,41 @@ void TileDecoder::read_prediction(Stream& stream, Block& block) {
     block.displacement = d;
 }
 
+// What the colour symbols of a segment depend on.
+struct TileDecoder::ColourMemory {
+    int r = 0;                    // 0 plain, 1 rotated, 2 predicted from luma
+    bool last_had_shares = false; // whether the last block that was not plain had shares
+    int rotation = 0;             // of the last rotated block
+    std::array<int, 2> shares{};  // of the last block that was predicted from luma
+};
+
+void TileDecoder::read_colour(Stream& stream, Block& block, ColourMemory& memory) {
+    const int symbol = stream.symbol(code_.colour[memory.r]);
+    if (symbol == 0) {
+        memory.r = 0;
+        return;
+    }
+    if (symbol == 2) {
+        memory.rotation = static_cast<int>(stream.raw(6));
+        require(memory.rotation < 49, "tile: rotation");
+        memory.last_had_shares = false;
+    } else if (symbol == 3) {
+        for (size_t i = 0; i < 2; ++i) {
+            memory.shares[i] += read_difference(stream, code_.share[i]);
+            require(std::abs(memory.shares[i]) <= 64, "tile: share");
+        }
+        require(memory.shares[0] != 0 || memory.shares[1] != 0, "tile: shares 0, 0");
+        memory.last_had_shares = true;
+    }
+    if (memory.last_had_shares)
+        block.shares = memory.shares;
+    else
+        block.rotation = memory.rotation;
+    memory.r = memory.last_had_shares ? 2 : 1;
+}
+
 void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t work) {
-    bool last_was_rotated = false;
-    int last_rotation = 0;
+    ColourMemory colours;
     for (size_t number = begin; number < end; ++number) {
         Block& block = blocks_[number];
         const int texels = product(block.size);
@@ -164,17 +239,8 @@ void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t
             require(work <= 16000, "tile: the work of a segment");
 
             // 2. The colour.
-            if (plane == 0 && length > 0 && code_.has_colour_symbols && header_.channels >= 3) {
-                const int colour = stream.symbol(code_.colour[last_was_rotated]);
-                if (colour == 1)
-                    block.rotation = last_rotation;
-                if (colour == 2) {
-                    block.rotation = static_cast<int>(stream.raw(6));
-                    require(block.rotation < 49, "tile: rotation");
-                    last_rotation = block.rotation;
-                }
-                last_was_rotated = colour != 0;
-            }
+            if (plane == 0 && length > 0 && code_.has_colour_symbols && header_.channels >= 3)
+                read_colour(stream, block, colours);
 
             // 3. The coefficients.
             read_plane(stream, block, plane, length);

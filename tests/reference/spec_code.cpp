@@ -13,8 +13,12 @@ namespace {
 constexpr uint8_t default_parameter_list[] = {
 #include "format/tables/default_parameters.inc"
 };
-constexpr size_t parameter_count = 5809;
+constexpr uint8_t picture_parameter_list[] = {
+#include "format/tables/picture_parameters.inc"
+};
+constexpr size_t parameter_count = 5947;
 static_assert(std::size(default_parameter_list) == parameter_count);
+static_assert(std::size(picture_parameter_list) == parameter_count);
 
 uint32_t frequency(int p) {
     const double exact = 4096 / (1 + std::exp2((p - 32) / 3.0));
@@ -56,7 +60,7 @@ Code read_code(Bytes section, const Header& header) {
     };
     Code code;
     const int flags = next_u16();
-    require(flags <= 511, "CODE: flags");
+    require(flags <= 1023, "CODE: flags");
     code.has_colour_symbols = flags & 1;
     code.has_predictions = flags >> 1 & 1;
     code.dependent = flags & 4;
@@ -112,15 +116,15 @@ Code read_code(Bytes section, const Header& header) {
     Stream stream(section.subspan(at));
     std::vector<int> parameters;
     bool differed = false;
-    for (const int default_value : default_parameter_list) {
+    for (const int default_value : flags & 512 ? picture_parameter_list : default_parameter_list) {
         int value = default_value;
         const size_t i = parameters.size();
-        // The parameters of copying blocks: half of zero, magnitude and first_length, and all from
-        // prediction to the end.
-        const bool of_copies = (i >= 1344 && i < 2688) || (i >= 3876 && i < 5064) ||
-                               (i >= 5181 && i < 5298) || i >= 5766;
-        const bool of_bases = i >= 5798;
-        if (!has_differences || (of_copies && !code.has_predictions) ||
+        // The parameters of predictions: half of zero, magnitude and first_length, and all from
+        // prediction to the end. base, from_base and base_displacement are among them.
+        const bool of_predictions = (i >= 1344 && i < 2688) || (i >= 3876 && i < 5064) ||
+                                    (i >= 5181 && i < 5298) || i >= 5859;
+        const bool of_bases = i >= 5891 && i < 5902;
+        if (!has_differences || (of_predictions && !code.has_predictions) ||
             (of_bases && !code.base_margin)) {
             parameters.push_back(value);
             continue;
@@ -162,11 +166,13 @@ Code read_code(Bytes section, const Header& header) {
         t = table(13, 14);
     for (auto& of_depth : code.split)
         for (Table& t : of_depth)
-            t = table(2, 3);
+            t = table(4, 5);
     for (Table& t : code.correction)
         t = table(10, 25);
     for (Table& t : code.colour)
-        t = table(2, 3);
+        t = table(3, 4);
+    for (Table& t : code.share)
+        t = table(8, 9);
     for (Table& t : code.prediction)
         t = table(2, 3);
     for (Table& t : code.displacement_kind)
@@ -177,6 +183,8 @@ Code read_code(Bytes section, const Header& header) {
     for (Table& t : code.from_base)
         t = table(1, 2);
     code.base_displacement = table(8, 9);
+    for (Table& t : code.mode)
+        t = table(5, 6);
     return code;
 }
 

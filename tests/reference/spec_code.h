@@ -38,13 +38,15 @@ struct Code {
     Table other_length[14];
     Table split[6][6];
     Table correction[21];
-    Table colour[2];
+    Table colour[3];
+    Table share[2];
     Table prediction[6];
     Table displacement_kind[2];
     Table displacement[2];
     Table base;
     Table from_base[2];
     Table base_displacement;
+    Table mode[9];
 };
 
 Code read_code(Bytes section, const Header& header);

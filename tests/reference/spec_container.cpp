@@ -53,9 +53,8 @@ Header read_header(Bytes file) {
     }
     uint32_t tile_texels = 1;
     for (size_t a = 0; a < 4; ++a) {
-        h.tile_extent[a] = u8(file, 56 + a);
-        require(h.tile_extent[a] >= 1 && h.tile_extent[a] <= (a < 2 ? 64 : 32),
-                "header: tile_extent");
+        h.tile_extent[a] = u8(file, 56 + a) + 1u;
+        require(h.tile_extent[a] <= (a < 2 ? 256 : 32), "header: tile_extent");
         tile_texels *= h.tile_extent[a];
     }
     require(tile_texels <= (h.has_corrections() ? 65536 : 393216), "header: tile_extent product");

@@ -17,8 +17,8 @@ struct Header {
     uint32_t page_target = 0;
     std::array<uint32_t, 4> size{};
     std::array<int, 2> alignment{};
-    std::array<uint32_t, 4> grid{}; // size of level 0's grid in texels (part 2)
-    std::array<uint32_t, 4> tile_extent{};
+    std::array<uint32_t, 4> grid{};        // size of level 0's grid in texels (part 2)
+    std::array<uint32_t, 4> tile_extent{}; // sides in texels; the file stores them minus 1
     int sample_type = 0;
     int channels = 0;
     int colour = 0;

@@ -1,4 +1,4 @@
-// Copies, values of blocks, the filter and codes (FORMAT.md part 4).
+// Predictions, values of blocks, the filter and codes (FORMAT.md part 4).
 #include "tests/reference/spec_tile.h"
 
 #include <algorithm>
@@ -103,6 +103,93 @@ std::array<int64_t, 4> TileDecoder::predicted(const Block& block, const Vector4&
     return sums;
 }
 
+// 4.6, "The border of a block" and "Prediction from the border". Returns the predictions of the
+// texels of the block by place().
+std::vector<int64_t> TileDecoder::predicted_from_border(const Block& block, size_t plane) const {
+    const Vector4& picture = block.of_base ? base_size_ : size_;
+    const auto& values = block.of_base ? base_values_[plane] : plane_values_[plane];
+    const auto P = [&](int u, int v) { return values[place({u, v, 0, 0}, picture)]; };
+    const int u0 = block.begin[0], v0 = block.begin[1];
+    const int nu = block.size[0], nv = block.size[1], n = nu + nv;
+
+    std::vector<int64_t> T, L;
+    if (v0 > 0)
+        for (int i = 0; i < n && u0 + i < picture[0] && height_.at(size_t(u0 + i)) >= v0; ++i)
+            T.push_back(P(u0 + i, v0 - 1));
+    if (u0 > 0)
+        for (int i = 0; i < n && v0 + i < picture[1] && width_.at(size_t(v0 + i)) >= u0; ++i)
+            L.push_back(P(u0 - 1, v0 + i));
+    const int64_t K = u0 > 0 && v0 > 0 ? P(u0 - 1, v0 - 1) : u0 > 0 ? L[0] : v0 > 0 ? T[0] : 0;
+    if (v0 == 0)
+        T.assign(1, u0 == 0 ? 0 : L[0]);
+    if (u0 == 0)
+        L.assign(1, T[0]);
+    T.resize(static_cast<size_t>(n), T.back());
+    L.resize(static_cast<size_t>(n), L.back());
+
+    std::vector<int64_t> result(static_cast<size_t>(nu * nv));
+    const auto fill = [&](const auto& prediction) {
+        for_each_place(block.size, [&](const Vector4& at) {
+            result[place(at, block.size)] = prediction(at[0], at[1]);
+        });
+    };
+    if (block.mode == 1) {
+        int64_t sum = 0, count = 0;
+        for (int i = 0; i < nu && v0 > 0; ++i, ++count)
+            sum += T[static_cast<size_t>(i)];
+        for (int i = 0; i < nv && u0 > 0; ++i, ++count)
+            sum += L[static_cast<size_t>(i)];
+        fill([&](int, int) { return count == 0 ? 0 : floor_div(sum, count); });
+        return result;
+    }
+    if (block.mode == 2) {
+        fill([&](int x, int y) {
+            const int64_t a = 64 * (x + 1) / nu, b = 64 * (y + 1) / nv;
+            const int64_t across = (64 - a) * L[size_t(y)] + a * T[size_t(nu)];
+            const int64_t down = (64 - b) * T[size_t(x)] + b * L[size_t(nv)];
+            return floor_div(across + down + 64, 128);
+        });
+        return result;
+    }
+    static constexpr int slopes[] = {0, 2, 5, 9, 13, 17, 21, 26, 32};
+    static constexpr int inverses[] = {0, 4096, 1638, 910, 630, 482, 390, 315, 256};
+    const int k = block.mode - 3;
+    const bool exchanged = k < 16;
+    const int e = exchanged ? 8 - k : k - 24;
+    const int slope = e < 0 ? -slopes[-e] : slopes[e], inverse = inverses[std::abs(e)];
+    if (exchanged)
+        std::swap(T, L);
+    const auto R = [&](int i) {
+        if (i == 0)
+            return K;
+        if (i > 0)
+            return T[static_cast<size_t>(std::min(i, n) - 1)];
+        return L[static_cast<size_t>(std::min((-i * inverse + 128) / 256, n) - 1)];
+    };
+    fill([&](int u, int v) {
+        const int x = exchanged ? v : u, y = exchanged ? u : v;
+        const int g = (y + 1) * slope;
+        const int i = x + 1 + static_cast<int>(floor_div(g, 32));
+        const int64_t f = g - 32 * floor_div(g, 32);
+        return floor_div((32 - f) * R(i) + f * R(i + 1) + 16, 32);
+    });
+    return result;
+}
+
+// Notes that a block of a picture is reconstructed.
+void TileDecoder::fill_picture(const Block& block) {
+    for (int u = 0; u < block.size[0]; ++u) {
+        int& height = height_.at(static_cast<size_t>(block.begin[0] + u));
+        require(height == block.begin[1], "this decoder: a column that is not filled from the top");
+        height += block.size[1];
+    }
+    for (int v = 0; v < block.size[1]; ++v) {
+        int& width = width_.at(static_cast<size_t>(block.begin[1] + v));
+        require(width == block.begin[0], "this decoder: a row that is not filled from the left");
+        width += block.size[0];
+    }
+}
+
 // --------------------------------------------------------------------------- part 4 for one block
 
 void TileDecoder::reconstruct(const Block& block) {
@@ -136,27 +223,40 @@ void TileDecoder::reconstruct(const Block& block) {
             values[p][scan[i].where] = dequantise(level, scale[static_cast<size_t>(z)], offset);
         }
     }
-    if (block.rotation >= 0) // 4.4
-        for (size_t i = 0; i < static_cast<size_t>(N); ++i) {
-            const auto rotated = rotate(rotations[static_cast<size_t>(block.rotation)],
-                                        {values[0][i], values[1][i], values[2][i]});
+    if (block.rotation >= 0 || block.shares) { // 4.4
+        const Matrix Q = block.shares ? shares_matrix((*block.shares)[0], (*block.shares)[1])
+                                      : rotations[static_cast<size_t>(block.rotation)];
+        const bool keeps_dc = block.shares && !block.copies() && block.mode == 0;
+        for (size_t i = keeps_dc ? 1 : 0; i < static_cast<size_t>(N); ++i) { // place 0 is DC
+            const auto result = recolour(Q, {values[0][i], values[1][i], values[2][i]});
             for (size_t p = 0; p < 3; ++p)
-                values[p][i] = rotated[p];
+                values[p][i] = result[p];
         }
+    }
     for (size_t p = 0; p < planes; ++p) // 4.3
         inverse_transform(values[p], block.size, F - G());
 
+    if (is_in_picture(block) && block.begin == Vector4{}) { // the first block of a picture
+        const Vector4& picture = block.of_base ? base_size_ : size_;
+        height_.assign(static_cast<size_t>(picture[0]), 0);
+        width_.assign(static_cast<size_t>(picture[1]), 0);
+    }
+    std::array<std::vector<int64_t>, 4> from_border;
+    for (size_t p = 0; p < planes && block.mode > 0; ++p)
+        from_border[p] = predicted_from_border(block, p);
     for_each_place(block.size, [&](const Vector4& at) {
         Vector4 in_tile{};
         for (size_t a = 0; a < 4; ++a)
             in_tile[a] = block.begin[a] + at[a];
-        std::array<int64_t, 4> from_copy{};
+        std::array<int64_t, 4> prediction{};
         if (block.copies_base) // 4.6
-            from_copy = predicted_from_base(block, in_tile);
+            prediction = predicted_from_base(block, in_tile);
         else if (block.copies())
-            from_copy = predicted(block, at);
+            prediction = predicted(block, at);
         for (size_t p = 0; p < planes; ++p) {
-            int64_t x = values[p][place(at, block.size)] + from_copy[p];
+            if (block.mode > 0)
+                prediction[p] = from_border[p][place(at, block.size)];
+            int64_t x = values[p][place(at, block.size)] + prediction[p];
             if (predicted_tile_)
                 x = std::clamp(x, -value_limit(), value_limit() - 1);
             if (block.of_base)
@@ -165,6 +265,8 @@ void TileDecoder::reconstruct(const Block& block) {
                 plane_values_[p][place(in_tile, size_)] = x;
         }
     });
+    if (is_in_picture(block))
+        fill_picture(block);
 }
 
 // ---------------------------------------------------------------------------------- 4.7 the filter

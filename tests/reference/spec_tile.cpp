@@ -135,6 +135,7 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
         Stream stream(payload.segments[i].bytes);
         if (i == 0) {
             read_base_tree(stream);
+            begin_picture(size);
             read_split_tree(stream, {0, 0, 0, 0}, size, 0, 0);
         }
         const size_t begin = payload.segments[i].first_block;
@@ -145,9 +146,10 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
         read_segment(stream, begin, end, i == 0 ? nodes_ : 0);
         require(stream.ends_well(), "segment: the stream must end well");
     }
-    predicted_tile_ = std::any_of(blocks_.begin(), blocks_.end(),
-                                  [](const Block& block) { return block.copies(); }) ||
-                      has_base_;
+    predicted_tile_ =
+        std::any_of(blocks_.begin(), blocks_.end(),
+                    [](const Block& block) { return block.copies() || block.mode > 0; }) ||
+        has_base_;
     std::array<std::vector<const Block*>, 16> at_depth;
     for (Block& block : blocks_)
         at_depth[static_cast<size_t>(depth_of(block))].push_back(&block);
@@ -155,6 +157,8 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
         plane_values_[p].assign(texels, 0);
         base_values_[p].assign(static_cast<size_t>(has_base_ ? product(base_size_) : 0), 0);
     }
+    // Blocks of pictures have depth 0, so they are reconstructed in their order. Those of the base
+    // picture come first.
     for (const auto& blocks : at_depth)
         for (const Block* block : blocks)
             reconstruct(*block);

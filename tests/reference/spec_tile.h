@@ -34,10 +34,12 @@ struct Block {
     Vector4 size;
     bool of_base = false;
     bool copies_base = false;
-    int rotation = -1;                  // -1: plain
-    std::optional<size_t> copies_along; // 0 s, 1 t
-    std::array<int, 2> displacement{};  // du, dv of a copy
-    int depth = -1;                     // 4.6; -1: not known yet
+    int mode = 0;                             // of a picture's block
+    int rotation = -1;                        // -1: not rotated
+    std::optional<std::array<int, 2>> shares; // a, b; set if predicted from luma
+    std::optional<size_t> copies_along;       // 0 s, 1 t
+    std::array<int, 2> displacement{};        // du, dv of a copy
+    int depth = -1;                           // 4.6; -1: not known yet
     bool copies() const { return copies_along.has_value() || copies_base; }
     // The levels of each plane in scan order, as many as the coded length.
     std::array<std::vector<int32_t>, 4> levels;
@@ -57,15 +59,24 @@ private:
     void read_split_tree(Stream& stream, const Vector4& begin, const Vector4& size, int a, int b,
                          bool of_base = false);
     void read_base_tree(Stream& stream);
+    void begin_picture(const Vector4& size);
+    void read_mode(Stream& stream, Block& block);
     int read_difference(Stream& stream, const Table& table);
     std::array<int64_t, 4> predicted_from_base(const Block& block, const Vector4& in_tile) const;
     void read_prediction(Stream& stream, Block& block);
     int depth_of(Block& block);
     std::array<int64_t, 4> predicted(const Block& block, const Vector4& at) const;
+    std::vector<int64_t> predicted_from_border(const Block& block, size_t plane) const;
     void read_segment(Stream& stream, size_t begin, size_t end, int64_t work);
+    struct ColourMemory;
+    void read_colour(Stream& stream, Block& block, ColourMemory& memory);
     void read_plane(Stream& stream, Block& block, int plane, int length);
     const Scan& scan_of(const Vector4& n);
+    bool is_in_picture(const Block& block) const {
+        return block.of_base || size_[2] * size_[3] == 1;
+    }
     void reconstruct(const Block& block);
+    void fill_picture(const Block& block);
     void filter();
     void make_codes();
     int G() const { return header_.sample_type == 0 ? 4 : 0; } // fraction bits of values
@@ -87,6 +98,11 @@ private:
     bool has_base_ = false, last_copied_base_ = false;
     int last_base_displacement_ = 0;
     Vector4 base_size_{};
+    // Of the picture that is read: the mode at each texel, by place().
+    Vector4 picture_size_{};
+    std::vector<int> mode_at_;
+    // Of the picture that is reconstructed: the height of each column and the width of each row.
+    std::vector<int> height_, width_;
     std::array<std::vector<int64_t>, 4> base_values_;
     std::array<std::array<std::array<int, 2>, 2>, 2>
         displacement_{}; // [direction][last, second to last]

@@ -1,6 +1,7 @@
-// Prints format/tables/default_parameters.inc as fitted to the symbols of .tess files, all of equal
-// weight. It is used when the contexts change:
+// Prints default parameters as fitted to the symbols of .tess files, all of equal weight. It is used
+// when the contexts change:
 //   train_defaults a.tess b.tess ... > format/tables/default_parameters.inc
+//   train_defaults --pictures a.tess b.tess ... > format/tables/picture_parameters.inc
 #include "codec/decoder.h"
 #include "codec/fit/table_fit.h"
 #include "codec/reconstruct/tile_decoder.h"
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string_view>
 #include <vector>
 
 using namespace tessera;
@@ -26,15 +28,17 @@ constexpr ParameterArray arrays[] = {
     {"magnitude[2][2][66][9]", first_length_offset, magnitude_chain},
     {"first_length[18][13]", other_length_offset, length_tokens - 1},
     {"other_length[14][13]", split_offset, length_tokens - 1},
-    {"split[6][6][2]", correction_offset, split_kinds - 1},
+    {"split[6][6][4]", correction_offset, split_kinds - 1},
     {"correction[21][10]", colour_offset, correction_chain},
-    {"colour[2][2]", prediction_offset, colour_kinds - 1},
+    {"colour[3][3]", share_offset, colour_kinds - 1},
+    {"share[2][8]", prediction_offset, share_tokens - 1},
     {"prediction[6][2]", displacement_kind_offset, prediction_kinds - 1},
     {"displacement_kind[2][2]", displacement_offset, displacement_kinds - 1},
     {"displacement[2][8]", base_offset, displacement_tokens - 1},
     {"base[1]", from_base_offset, 1},
     {"from_base[2][1]", base_displacement_offset, 1},
-    {"base_displacement[8]", parameter_count, displacement_tokens - 1}};
+    {"base_displacement[8]", mode_offset, displacement_tokens - 1},
+    {"mode[9][5]", parameter_count, mode_symbols - 1}};
 
 // Counts the symbols of one file.
 Result<Statistics> statistics_of(const char* path) {
@@ -72,8 +76,11 @@ Result<Statistics> statistics_of(const char* path) {
 } // namespace
 
 int main(int argc, char** argv) {
+    const bool for_pictures = argc > 1 && std::string_view(argv[1]) == "--pictures";
+    const Parameters& before =
+        default_parameters(for_pictures ? DefaultSet::pictures : DefaultSet::views);
     std::array<double, parameter_count> stops{}, goes{};
-    for (int i = 1; i < argc; ++i) {
+    for (int i = for_pictures ? 2 : 1; i < argc; ++i) {
         const Result<Statistics> file = statistics_of(argv[i]);
         if (!file) {
             std::fprintf(stderr, "train_defaults: error: %s\n", file.status().message().c_str());
@@ -90,16 +97,17 @@ int main(int argc, char** argv) {
     std::vector<std::byte> fitted;
     for (std::size_t p = 0; p < parameter_count; ++p) {
         // A few additional counts at the old value keep rare contexts near it.
-        const double old = 1.0 / (1.0 + std::exp2((default_parameters()[p] - 32) / 3.0));
+        const double old = 1.0 / (1.0 + std::exp2((before[p] - 32) / 3.0));
         const double stop = stops[p] + 4 * old, go = goes[p] + 4 * (1 - old);
         const long nearest = std::lround(32 + 3 * std::log2(go / stop));
         fitted.push_back(static_cast<std::byte>(std::clamp(nearest, 0L, 63L)));
     }
     std::printf(
-        "// The default parameters: normative, FORMAT.md 3.5.\n//\n"
-        "// 5,809 numbers 0..63, separated by commas, in the order of FORMAT.md 3.5. A comment "
+        "// The default parameters for %s: normative, FORMAT.md 3.5.\n//\n"
+        "// 5,947 numbers 0..63, separated by commas, in the order of FORMAT.md 3.5. A comment "
         "names each array;\n// its last index runs fastest, and a line holds the numbers of "
         "one last index.\n// CRC32C of the numbers as bytes: 0x%08X.\n",
+        for_pictures ? "pictures" : "textures of many views",
         static_cast<unsigned>(crc32c(fitted)));
     std::size_t p = 0;
     for (const auto& [name, end, line] : arrays) {

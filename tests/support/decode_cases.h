@@ -95,6 +95,8 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
                               double density, int magnitude_bits, double copies = 0) {
     Random random(seed);
     CodingParameters parameters;
+    if (seed % 5 == 0)
+        parameters.use_defaults(DefaultSet::pictures);
     parameters.parameters = random_parameters(random);
     parameters.colour_rotation = channels >= 3;
     parameters.prediction = copies > 0;
@@ -181,7 +183,7 @@ inline std::vector<DecodeCase> random_cases() {
     return cases;
 }
 
-// Files in which some tiles have predictions, with copies up to 15 deep.
+// Files in which some tiles have predictions, with copies up to 15 deep and with modes in pictures.
 inline std::vector<DecodeCase> predicted_cases() {
     std::vector<DecodeCase> cases;
     std::uint32_t seed = 200;
@@ -209,6 +211,57 @@ inline std::vector<DecodeCase> predicted_cases() {
         }
         cases.push_back(random_case(seed, SampleType::unorm8, 3, size, size, split, 0.02, 6, 0.7));
     }
+    // Pictures, some of them in tiles with sides above 64. Values reach the limits of both types.
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
+            cases.push_back(random_case(++seed, type, channels, {37, 53, 1, 1}, {37, 53, 1, 1}, 0.9,
+                                        0.05, 20, 0.8));
+            cases.push_back(random_case(++seed, type, channels, {256, 100, 1, 1}, {256, 100, 1, 1},
+                                        0.8, 0.01, 6, 0.6));
+        }
+    cases.push_back(random_case(++seed, SampleType::unorm8, 3, {256, 256, 1, 1}, {256, 256, 1, 1},
+                                0, 0.002, 4, 1));
+    cases.push_back(random_case(++seed, SampleType::half16, 3, {130, 70, 2, 1}, {65, 70, 1, 1}, 0.9,
+                                0.01, 16, 0.9));
+    cases.push_back(random_case(++seed, SampleType::unorm8, 3, {130, 70, 2, 1}, {130, 70, 2, 1},
+                                0.9, 0.01, 6, 0.7)); // several views, and forced splits
+    cases.push_back(random_case(++seed, SampleType::unorm8, 1, {256, 1, 1, 1}, {256, 1, 1, 1}, 0.9,
+                                0.1, 6, 0.9));
+    return cases;
+}
+
+// Pictures, which are tiles of one view or base pictures, whose blocks are predicted from their
+// border: random tiles, some with sides above 64, and encoded pictures and camera grids.
+inline std::vector<DecodeCase> picture_cases() {
+    std::vector<DecodeCase> cases;
+    std::uint32_t seed = 300;
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
+            cases.push_back(random_case(++seed, type, channels, {77, 45, 1, 1}, {40, 45, 1, 1}, 0.8,
+                                        0.05, 6, 0.8));
+            cases.push_back(random_case(++seed, type, channels, {33, 37, 1, 1}, {64, 64, 1, 1},
+                                        0.95, 0.3, 20, 0.9));
+        }
+    cases.push_back(random_case(++seed, SampleType::unorm8, 3, {256, 256, 1, 1}, {256, 256, 1, 1},
+                                0.9, 0.02, 5, 0.9));
+    cases.push_back(random_case(++seed, SampleType::half16, 3, {300, 131, 1, 1}, {256, 256, 1, 1},
+                                0.9, 0.02, 5, 0.9));
+    cases.push_back(random_case(++seed, SampleType::unorm8, 1, {256, 3, 1, 1}, {256, 3, 1, 1}, 0.95,
+                                0.1, 5, 0.9));
+    // Tiles of several views with sides above 64.
+    cases.push_back(random_case(++seed, SampleType::unorm8, 3, {200, 70, 2, 1}, {256, 128, 2, 1},
+                                0.7, 0.02, 5, 0.7));
+    cases.push_back(random_case(++seed, SampleType::half16, 4, {129, 65, 3, 2}, {256, 256, 3, 2},
+                                0.7, 0.02, 5));
+    using Kind = RateTarget::Kind;
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (const std::uint8_t channels : {std::uint8_t{1}, std::uint8_t{3}})
+            cases.push_back(encoded_case("smooth", {{97, 61, 1, 1}, type, channels},
+                                         {Kind::quality, 60}, {128, 128, 1, 1}, copies_effort));
+    cases.push_back(encoded_case("noise", {{256, 256, 1, 1}, SampleType::unorm8, 3},
+                                 {Kind::quality, 40}, {256, 256, 1, 1}, copies_effort));
+    cases.push_back(encoded_case("grazing_ramp", {{60, 60, 5, 5}, SampleType::unorm8, 3},
+                                 {Kind::quality, 50}, {64, 64, 5, 5}, copies_effort));
     return cases;
 }
 

@@ -115,11 +115,14 @@ inline std::vector<Encoding> encodings() {
         {"2_mirror", mirror, {{20, 12, 6, 6}, byte, 3}, {Kind::quality, 60}},
         {"2_captured", captured, {{40, 35, 5, 4}, byte, 3}, {Kind::quality, 58}},
         {"2_composed_psnr", composed, {{16, 9, 4, 4}, byte, 4}, {Kind::psnr, 38}, small_tiles},
+        {"2_picture", mirror, {{70, 66, 1, 1}, byte, 1}, {Kind::bpt, 1.0}},
         {"2_half", composed, {{20, 16, 3, 3}, half, 3}, {Kind::quality, 70}, bright},
 
         {"3_mirror", mirror, {{18, 11, 5, 5}, byte, 3}, {Kind::quality, 60}},
         {"3_captured", captured, {{34, 33, 3, 3}, byte, 3}, {Kind::quality, 62}},
         {"3_captured_large", captured, {{60, 48, 5, 5}, byte, 3}, {Kind::quality, 45}},
+        {"3_picture", composed, {{70, 40, 1, 1}, byte, 3}, {Kind::quality, 66}},
+        {"3_picture_half", mirror, {{33, 21, 1, 1}, half, 4}, {Kind::psnr, 50}, bright},
         {"3_noise", noise, {{12, 8, 4, 4}, byte, 3}, {Kind::quality, 85}},
         {"3_composed_rate", composed, {{12, 11, 4, 4}, byte, 3}, {Kind::bpt, 4.5}},
         {"3_half_baked", composed, {{9, 12, 5, 4}, half, 3}, {Kind::psnr, 50}, baked},
@@ -127,6 +130,7 @@ inline std::vector<Encoding> encodings() {
 
         {"4_composed", composed, {{14, 10, 4, 5}, byte, 3}, {Kind::quality, 70}},
         {"4_captured", captured, {{20, 16, 4, 3}, byte, 3}, {Kind::quality, 60}},
+        {"4_picture", mirror, {{90, 70, 1, 1}, byte, 3}, {Kind::quality, 60}},
     };
 }
 

@@ -30,8 +30,8 @@ inline TileFilter random_filter(Random& random) {
 }
 
 inline BlockShape shape_of(int u, int v, int s, int t) {
-    return {{static_cast<std::uint8_t>(u), static_cast<std::uint8_t>(v),
-             static_cast<std::uint8_t>(s), static_cast<std::uint8_t>(t)}};
+    return {{static_cast<std::uint16_t>(u), static_cast<std::uint16_t>(v),
+             static_cast<std::uint16_t>(s), static_cast<std::uint16_t>(t)}};
 }
 
 inline std::string name_of(const BlockShape& shape) {

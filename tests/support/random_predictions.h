@@ -11,8 +11,9 @@
 
 namespace tessera::test {
 
-// Predictions at most 15 deep. Some copy from the base picture if the tile has one. Displacements
-// repeat, are small, or are the largest that the format allows.
+// Copies at most 15 deep in tiles of several views, some of them from the base picture if the tile
+// has one, and modes in pictures. Displacements repeat, are small, or are the largest that the
+// format allows.
 class RandomPredictions {
 public:
     RandomPredictions(Random& random, double chance, const BasePictures& base = {})
@@ -20,25 +21,37 @@ public:
 
     // `base` becomes the tile's base picture and is a tile itself. If it is empty, the tile has
     // none.
-    void add_to(TileLevels& tile, const TileLevels& base = {}) {
+    void add_to(TileLevels& tile, TileLevels base = {}) {
         tile.predictions.clear();
         for (const Block& block : tile.blocks)
-            tile.predictions.push_back(!base.blocks.empty() && random_.chance(chance_ / 2)
+            tile.predictions.push_back(is_picture(tile.shape) ? mode()
+                                       : !base.blocks.empty() && random_.chance(chance_ / 2)
                                            ? prediction_from_base()
                                            : prediction_of(block));
+        for (std::size_t i = 0; i < base.blocks.size(); ++i)
+            base.predictions.push_back(mode());
         // Blocks whose chain of copies is too long stop copying.
         tile.order = limit_copy_depths(tile.shape, tile.blocks, tile.predictions).order;
         if (!base.blocks.empty())
             prepend_base(base, tile);
-        else if (!copies_anything(tile.predictions))
+        else if (!predicts_anything(tile.predictions))
             tile.forget_copies(); // the state that decoders have
     }
 
 private:
+    BlockPrediction mode() {
+        BlockPrediction prediction;
+        if (!random_.chance(chance_))
+            return prediction;
+        if (random_.chance(0.6))
+            last_mode_ = static_cast<BorderMode>(random_.range(1, border_mode_count - 1));
+        prediction.mode = last_mode_;
+        return prediction;
+    }
     BlockPrediction prediction_from_base() {
         if (random_.chance(0.5))
             last_base_ = random_.range(-max_displacement, max_displacement);
-        return {CopyFrom::base, base_displacement(base_, last_base_)};
+        return {CopyFrom::base, base_displacement(base_, last_base_), mode_none};
     }
     BlockPrediction prediction_of(const Block& block) {
         const int before = (block.origin[2] > 0 ? 1 : 0) + (block.origin[3] > 0 ? 2 : 0);
@@ -65,10 +78,11 @@ private:
     const double chance_;
     const BasePictures base_;
     int last_base_ = 0;
+    BorderMode last_mode_ = mode_mean;
     Displacement last_;
 };
 
-// A random tile whose blocks copy with probability `chance`. If the file has base pictures, four of
+// A random tile whose blocks are predicted with probability `chance`. If the file has base pictures, four of
 // five tiles have one.
 inline TileLevels random_predicted_tile(Random& random, const TileCoding& coding,
                                         const RandomTileOptions& options, const BlockShape& shape,

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "codec/entropy/tile_entropy.h"
-#include "format/tile/colour_rotation.h"
+#include "format/tile/block_colour.h"
 #include "tests/support/random.h"
 
 #include <algorithm>
@@ -33,7 +33,8 @@ public:
 private:
     void grow(const Block& block, TileLevels& tile) {
         const bool must_split = is_too_large(block.shape);
-        const auto wish = must_split ? Split::spatial : static_cast<Split>(random_.range(1, 2));
+        const auto wish =
+            must_split ? Split::spatial : static_cast<Split>(random_.range(1, split_kinds - 1));
         if (!must_split && (leaves_ + 3 > max_leaves || !random_.chance(options_.split) ||
                             !can_split(block.shape, wish))) {
             tile.splits.push_back(static_cast<std::uint8_t>(Split::none));
@@ -76,10 +77,26 @@ private:
             }
             tile.planes.push_back(levels);
             if (plane == 0) // colours are coded only with levels
-                tile.colours.push_back(static_cast<std::uint8_t>(
-                    coding_.rotates && levels.coded_length > 0 ? random_.range(0, rotation_count)
-                                                               : 0));
+                tile.colours.push_back(coding_.rotates && levels.coded_length > 0 ? colour()
+                                                                                  : BlockColour{});
         }
+    }
+    BlockColour colour() {
+        const double kind = random_.unit();
+        if (kind < 0.2)
+            return {};
+        if (kind < 0.4)
+            return last_colour_;
+        last_colour_ = {};
+        if (kind < 0.7) {
+            last_colour_.rotation = static_cast<std::uint8_t>(random_.range(1, rotation_count));
+        } else {
+            const int most = random_.chance(0.5) ? 2 : most_share;
+            while (last_colour_.is_plain())
+                for (std::int8_t& share : last_colour_.share)
+                    share = static_cast<std::int8_t>(random_.range(-most, most));
+        }
+        return last_colour_;
     }
     // One bit less for dependent quantisation, which dequantises to up to twice the magnitude.
     int magnitude() {
@@ -92,6 +109,7 @@ private:
     const TileCoding& coding_;
     const RandomTileOptions options_;
     int leaves_ = 1;
+    BlockColour last_colour_;
 };
 
 } // namespace tessera::test

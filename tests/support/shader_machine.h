@@ -100,6 +100,7 @@ inline void tsr_write_texel(ivec3 at, uvec4 samples) {
 }
 
 // The shaders' GLSL, included unchanged.
+#include "decoder_glsl/shaders/border.comp.glsl"
 #include "decoder_glsl/shaders/corrections.comp.glsl"
 #include "decoder_glsl/shaders/filter.comp.glsl"
 #include "decoder_glsl/shaders/groups.comp.glsl"
@@ -117,6 +118,7 @@ public:
 
     std::uint64_t most_rounds = 0; // of one invocation
     std::uint32_t most_waves = 0;  // of one batch
+    std::uint32_t most_steps = 0;  // of predictions from the border in one tile
     // When all invocations together have taken this many rounds, no more are started: damaged
     // batches can ask for more work than a test has time for.
     std::uint64_t patience = ~std::uint64_t{0};
@@ -157,10 +159,13 @@ public:
             invoke([&] { tsr_order_level(slot); });
     }
 
-    // Passes 4 to 6.
+    // Passes 4 to 7.
     void write_texels(const DecodeBatch& batch) {
-        for (uint wave = 0; wave < batch.waves; ++wave)
+        for (uint wave = 0; wave < batch.waves; ++wave) {
             write_wave(batch);
+            if (wave == 0 && batch.borders)
+                predict_borders(static_cast<uint>(batch.tiles.size()));
+        }
         if (tsr_tables[tsr_t_filtered] != 0)
             for (uint tile = 0; tile < batch.tiles.size(); ++tile)
                 for (uint texel = 0; texel < (batch.most_texels + 63) / 64 * 64; ++texel)
@@ -210,6 +215,27 @@ private:
             stage([&](int lane) { tsr_sum_u_v(item, lane); });
             stage([&](int lane) { tsr_sum_s(item, lane); });
             stage([&](int lane) { tsr_sum_t(item, lane); });
+            most_rounds = std::max(most_rounds, *std::max_element(rounds.begin(), rounds.end()));
+        }
+    }
+
+    void predict_borders(uint tiles) {
+        for (uint tile = 0; tile < tiles && spent_ < patience; ++tile) {
+            const TsrBorder border = tsr_border(tile);
+            std::array<std::uint64_t, 64> rounds{};
+            uint begin = 0;
+            for (uint i = 0; i < border.steps && spent_ < patience; ++i) {
+                ++spent_;
+                const uint end = tsr_step_end(border, i, begin);
+                for (int lane = 0; lane < 64; ++lane) {
+                    shader_machine_rounds = 1;
+                    tsr_predict_step(tile, border, begin, end, lane);
+                    rounds[static_cast<std::size_t>(lane)] += shader_machine_rounds;
+                    spent_ += shader_machine_rounds;
+                }
+                begin = end;
+            }
+            most_steps = std::max(most_steps, border.steps);
             most_rounds = std::max(most_rounds, *std::max_element(rounds.begin(), rounds.end()));
         }
     }

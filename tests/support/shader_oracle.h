@@ -18,7 +18,7 @@ namespace tessera::test {
 
 // The most rounds that one invocation may take through its loops. FORMAT.md 3.1 limits the work of
 // a segment for the sake of this bound.
-constexpr std::uint64_t shader_round_limit = 16384;
+constexpr std::uint64_t shader_round_limit = 24576;
 
 // A file whose tiles are all background. Only its header and parameters matter here.
 inline std::vector<std::byte> empty_file(const TextureDesc& desc, const Extent4& tile_extent,
@@ -70,6 +70,7 @@ public:
         return tile_shape(reader_.grid().box(tile));
     }
     std::uint64_t most_rounds() const { return machine_.most_rounds; }
+    std::uint32_t most_steps() const { return machine_.most_steps; }
     std::uint64_t accepted() const { return accepted_; } // number of tiles
     std::uint64_t refused() const { return refused_; }
 
@@ -117,9 +118,11 @@ private:
     using Sample4 = std::array<std::uint32_t, 4>;
 
     void load() {
-        if (loaded_ != this)
+        const std::pair state{tables_.words().size(), tables_.generation()};
+        if (loaded_ != this || loaded_state_ != state)
             machine_.load_tables(tables_.words());
         loaded_ = this;
+        loaded_state_ = state;
     }
 
     std::string common_faults() const {
@@ -250,7 +253,8 @@ private:
         return {};
     }
 
-    static inline const ShaderOracle* loaded_ = nullptr; // the shaders' buffers are global
+    static inline const ShaderOracle* loaded_ = nullptr;          // the shaders' buffers are global
+    static inline std::pair<std::size_t, unsigned> loaded_state_; // of its tables
 
     const std::vector<std::byte> file_;
     std::unique_ptr<ByteSource> source_;

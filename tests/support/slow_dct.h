@@ -13,7 +13,7 @@ namespace tessera::test {
 
 // The orthonormal DCT-II matrix: matrix[k * n + x].
 inline const std::vector<double>& dct_matrix(int n) {
-    static std::array<std::vector<double>, max_tile_side + 1> matrices;
+    static std::array<std::vector<double>, max_block_side + 1> matrices;
     std::vector<double>& matrix = matrices[static_cast<std::size_t>(n)];
     for (int k = 0; k < n && static_cast<int>(matrix.size()) < n * n; ++k)
         for (int x = 0; x < n; ++x)

@@ -147,7 +147,7 @@ TEST_F(CliUsage, WrongOptionsFailBeforeAnyWork) {
         refused("--meta =x", {"--meta"});
         refused("--meta tessera:rate=x", {"--meta", "tessera:rate"});
         refused("--meta 'a=\xff'", {"UTF-8"});
-        refused("--tile 65x1x1x1", {"--tile", "64"});
+        refused("--tile 257x1x1x1", {"--tile", "256"});
         refused("--tile 64x64x32x32", {"--tile", "393216"});
         refused("--tile 64x64x8x8 --max-error 1", {"64x64x8x8", "65536"});
         refused("--tile 8x8", {"--tile", "'8x8'"});

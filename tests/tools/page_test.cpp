@@ -80,7 +80,7 @@ TEST(Page, HoldsOnlyTheGivenContents) {
     // The size budget of viewer and decoder.
     const auto server = make_server_page();
     ASSERT_TRUE(server.ok());
-    EXPECT_LT(server->size(), 200'000u);
+    EXPECT_LT(server->size(), 220'000u);
     EXPECT_EQ(server->find("id=\"file\""), server->npos);
 }
 

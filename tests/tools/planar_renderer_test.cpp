@@ -61,18 +61,15 @@ TEST_F(PlanarRender, AlignedViewsAreDrawnUnchanged) {
         {"--eye=5,-4,6"},                                          // beyond all of them
         {"--eye=0.2,0.3,1.5", "--look=-0.87,0.7,0", "--fov", "8"}, // at a corner
     };
-    for (const auto& [desc, u, v] :
-         {std::tuple(TextureDesc{{48, 40, 4, 3}, SampleType::unorm8, 3}, 2, -2),
-          std::tuple(TextureDesc{{48, 40, 4, 3}, SampleType::half16, 1}, -2, 2)}) {
-        const std::string aligned = views_file("a.tess", desc, u, v, "");
-        const std::string plain = views_file("p.tess", desc, u, v, "-align");
-        std::string last;
-        for (const auto& pose : poses) {
-            const std::string picture = drawn(aligned, pose);
-            EXPECT_EQ(picture == drawn(plain, pose), true) << testing::PrintToString(pose);
-            EXPECT_NE(picture == last, true);
-            last = picture;
-        }
+    const TextureDesc desc{{48, 40, 4, 3}, SampleType::unorm8, 3};
+    const std::string aligned = views_file("a.tess", desc, 2, -2, "");
+    const std::string plain = views_file("p.tess", desc, 2, -2, "-align");
+    std::string last;
+    for (const auto& pose : poses) {
+        const std::string picture = drawn(aligned, pose);
+        EXPECT_EQ(picture == drawn(plain, pose), true) << testing::PrintToString(pose);
+        EXPECT_NE(picture == last, true);
+        last = picture;
     }
 }
 

@@ -16,7 +16,7 @@ import {movingColour, texelsOf} from './textures.mjs';
 const [tool, program = 'chromium', only = ''] = process.argv.slice(2);
 const renderer = process.env.TESSERA_RENDERER || tool; // another build may draw the reference
 const near = 0.999;          // share of pixels that must be within one step of 255
-const pageBudget = 200_000;  // bytes of viewer and decoder in a page
+const pageBudget = 220_000;  // bytes of viewer and decoder in a page
 const folder = mkdtempSync(join(tmpdir(), 'tessera-viewer-'));
 const inFolder = name => join(folder, name);
 const tessera = (...args) => execFileSync(tool, args, {stdio: ['ignore', 'pipe', 'pipe']});

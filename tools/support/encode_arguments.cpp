@@ -113,9 +113,10 @@ void add_layout_options(CLI::App& app, EncodeArguments& a) {
     group.flag("--layers", a.layers,
                "Store coarse levels first (at most 3 % larger), so that any beginning of the file "
                "shows the whole texture (decode --allow-partial)");
-    group.option("--tile", "UxVxSxT", a.tile,
-                 "Largest tile: u, v up to 64, s, t up to 32, at most 393216 texels, or 65536 with "
-                 "--max-error. Default: the encoder tries several");
+    group.option(
+        "--tile", "UxVxSxT", a.tile,
+        "Largest tile: u, v up to 256, s, t up to 32, at most 393216 texels, or 65536 with "
+        "--max-error. Default: the encoder tries several");
     group.flag("--no-verify", a.no_verify, "Do not decode each tile again for a comparison");
     group.flag("--strict", a.strict, "Refuse NaN and infinities instead of replacing them");
 }

@@ -10,11 +10,14 @@ using Argv = std::vector<std::string>;
 Argv encode_avif(const std::string& in, const std::string& out, const std::string& setting,
                  const std::string& threads) {
     const std::string q = value_of(setting);
-    return {"avifenc", "--speed", "4",      "--yuv", "444", "--min", q,
-            "--max",   q,         "--jobs", threads, in,    out};
+    return {"avifenc", "--speed",   "0",           "--yuv", "444",
+            "--depth", "10",        "--min",       "0",     "--max",
+            "63",      "-a",        "end-usage=q", "-a",    "cq-level=" + q,
+            "-a",      "tune=psnr", "--jobs",      threads, in,
+            out};
 }
 Argv decode_avif(const std::string& in, const std::string& out, const std::string& threads) {
-    return {"avifdec", "--jobs", threads, in, out};
+    return {"avifdec", "--depth", "8", "--jobs", threads, in, out};
 }
 
 Argv encode_jxl(const std::string& in, const std::string& out, const std::string& setting,
@@ -23,7 +26,7 @@ Argv encode_jxl(const std::string& in, const std::string& out, const std::string
             in,
             out,
             "--quiet",
-            "--effort=7",
+            "--effort=9",
             "--distance=" + value_of(setting),
             "--num_threads=" + threads};
 }
@@ -40,21 +43,21 @@ Argv decode_astc(const std::string& in, const std::string& out, const std::strin
 }
 
 const PictureTool tool_of_avif = {"avif",
-                                  "libaom at speed 4, 4:4:4",
+                                  "libaom at speed 0, tune psnr, 10 bits, 4:4:4",
                                   {"avifenc", "avifdec"},
                                   "libavif-bin",
                                   {"--version"},
                                   16384,
                                   "avif",
                                   "png",
-                                  {"q 54", "q 42", "q 30", "q 20"},
-                                  {"q 60"},
-                                  {"q 12", "q 6"},
+                                  {"q 45", "q 36", "q 28", "q 20"},
+                                  {"q 54"},
+                                  {"q 14", "q 8"},
                                   encode_avif,
                                   decode_avif};
 
 const PictureTool tool_of_jxl = {"jxl",
-                                 "effort 7",
+                                 "effort 9",
                                  {"cjxl", "djxl"},
                                  "libjxl-tools",
                                  {"--version"},
