@@ -237,10 +237,10 @@ TEST_F(GpuView, LostReadsAreRepeated) {
     const auto memory = wrap_memory(file);
     MoodySource source(*memory);
     SampledFile sound(file);
-    auto whole = SampledTexture::create(sound.reader(), with(Residency::on_load, true));
+    auto whole = SampledTexture::create(sound.reader(), with(Residency::on_load, false));
     ASSERT_TRUE(whole);
     const auto truth = first_frame(*whole);
-    auto options = with(Residency::on_feedback, true);
+    auto options = with(Residency::on_feedback, false);
     options.coarse = false;
     for (const bool prefetch : {false, true}) {
         SCOPED_TRACE(prefetch);
@@ -265,8 +265,8 @@ TEST_F(GpuView, LostReadsAreRepeated) {
         }
         source.failure = {};
         const auto picture = drawn(*texture, *renderer, camera_at(200));
-        // Half floats of the picture add a sixteenth of a step.
-        EXPECT_LE(largest_difference(picture, truth), (1 + 1 / 16.0) / 255);
+        EXPECT_LE(largest_difference(picture, truth),
+                  1e-5); // without the weights of filtering hardware
         EXPECT_EQ(missing_in(*texture, *renderer, camera_at(200)), 0u) << "no tile has failed";
     }
 }
