@@ -3,7 +3,7 @@
 # worse.
 #   tools/lab/scripts/regression.sh
 source "$(dirname "${BASH_SOURCE[0]}")/../../common.sh"
-build build regression
+build build regression -- -DTESSERA_TESTS=ON
 build/bin/regression build/results.csv
 # Fails if sizes or errors get worse. It does not check speeds, which vary from run to run.
 awk -F, 'NR == FNR { if (FNR > 1) { bytes[$1 $2 $3] = $4; psnr[$1 $2 $3] = $6 } next }
