@@ -3,7 +3,6 @@
 #include "codec/tile_encoder/colour_choice.h"
 
 #include <algorithm>
-#include <optional>
 
 namespace tessera {
 namespace {
@@ -20,17 +19,21 @@ constexpr float colours_apart = 1.15f;
 class BlockEncoder::CurrentBlock {
 public:
     CurrentBlock(BlockEncoder& encoder, BlockSearch& search, const Block& block,
-                 const BlockPrediction& prediction, const TilePlanes& decoded)
+                 const BlockPrediction& prediction, const TilePlanes& decoded, bool colours)
         : encoder_(encoder), search_(search), block_(block), prediction_(prediction),
-          decoded_(decoded), known_(encoder.coded_.at(block, prediction)) {
+          decoded_(decoded), known_(encoder.coded_.at(block, prediction)), has_colours_(colours) {
         if (!prediction.copies())
             return;
         transform();
         encoder.coded_.check(known_, encoder.plain_, encoder.coding_->planes);
     }
 
-    // The rotation that gathers most energy; -1: none does.
-    int rotation() {
+    // A block of zeros does not lose the same on rotated axes as on Y, Co and Cg, which are not
+    // orthogonal, so costs relative to it would not compare.
+    bool needs_energy() const { return encoder_.compares_ || has_colours_; }
+
+    // The rotation that gathers most energy; plain: none does.
+    BlockColour rotation() {
         if (!known_.moments) {
             transform();
             const auto& plane = encoder_.plain_.plane;
@@ -38,7 +41,8 @@ public:
                                            static_cast<std::size_t>(block_.shape.texels())},
                                           encoder_.coding_->parameters);
         }
-        return choose_rotation(*known_.moments, encoder_.memory.last.rotation - 1);
+        const int rotation = choose_rotation(*known_.moments, encoder_.memory.last.rotation - 1);
+        return {.rotation = static_cast<std::uint8_t>(rotation + 1), .share = {}};
     }
 
     // How luma predicts the chroma of a block that was coded plain.
@@ -55,13 +59,43 @@ public:
         return *way.estimate;
     }
 
+    // Codes the block with this colour, and keeps that if it costs less than all before.
+    void offer(const BlockColour& colour) {
+        const CodedBlock::Way way = code(colour);
+        const bool has_symbol = has_colours_ && has_luma(way);
+        // A block whose first plane is empty has no symbol for its colour.
+        if (!colour.is_plain() && !has_symbol)
+            return;
+        const float cost = way.cost + (has_symbol ? encoder_.settings_->quantizer.lambda *
+                                                        encoder_.colour_bits(colour)
+                                                  : 0.0f);
+        if (cost < least_) {
+            least_ = cost;
+            best_ = way;
+        }
+    }
+    bool is_zero() const { return encoder_.coded_.is_zero(best_, encoder_.coding_->planes); }
+    bool has_luma() const { return has_luma(best_); }
+    // Appends the levels of the cheapest colour. Returns their cost.
+    float take(TileLevels& out) {
+        encoder_.coded_.append(best_, encoder_.coding_->planes, out);
+        if (has_colours_ && has_luma())
+            encoder_.memory.remember(best_.colour);
+        return least_;
+    }
+
+private:
+    bool has_luma(const CodedBlock::Way& way) const {
+        return encoder_.coded_.first_plane(way).coded_length != 0;
+    }
+
     // Puts the levels into encoder_.coded_. With energy, costs of different colours and copies
     // compare.
-    CodedBlock::Way code(const BlockColour& colour, bool with_energy) {
+    CodedBlock::Way code(const BlockColour& colour) {
         if (const CodedBlock::Way& known = way(colour); known.is_coded)
             return known;
         const BlockCoefficients& block = coefficients(colour);
-        const float energy = with_energy ? encoder_.quantizer_.energy(block) : 0.0f;
+        const float energy = needs_energy() ? encoder_.quantizer_.energy(block) : 0.0f;
         TileLevels& levels = encoder_.coded_.levels();
         const std::size_t first_plane = levels.planes.size();
         BlockQuantizer::Cost cost;
@@ -80,7 +114,6 @@ public:
         return coded;
     }
 
-private:
     CodedBlock::Way& way(const BlockColour& colour) {
         for (CodedBlock::Way& way : known_.ways)
             if (way.colour == colour)
@@ -117,6 +150,9 @@ private:
     const BlockPrediction& prediction_;
     const TilePlanes& decoded_;
     CodedBlock& known_;
+    const bool has_colours_;
+    float least_ = unreachable_cost; // cost of the cheapest colour so far
+    CodedBlock::Way best_;
     bool is_transformed_ = false;
     BlockColour coloured_as_; // the colour of encoder_.coloured_; plain: that of another block
 };
@@ -124,70 +160,41 @@ private:
 float BlockEncoder::encode(BlockSearch& search, const Block& block,
                            const BlockPrediction& prediction, const TilePlanes& decoded,
                            TileLevels& out, float limit) {
-    CurrentBlock hand(*this, search, block, prediction, decoded);
-    const int planes = coding_->planes;
     const bool colours = coding_->rotates && settings_->rotate_colours;
-    // A block of zeros does not lose the same on rotated axes as on Y, Co and Cg, which are not
-    // orthogonal, so costs relative to it would not compare.
-    const bool needs_energy = compares_ || colours;
+    CurrentBlock current(*this, search, block, prediction, decoded, colours);
+    // Without a trellis coding takes little longer than estimating, and shares of luma would save
+    // 1 % for a third of the time.
+    const bool estimates = coding_->parameters.dependent && current.needs_energy();
     bool tries_rotated = colours;
-    float rotated_estimate = 0; // without estimates all ways are tried
-    std::optional<int> rotation;
-    const auto rotated_by = [](int index) {
-        return BlockColour{.rotation = static_cast<std::uint8_t>(index + 1), .share = {}};
-    };
-    // Without a trellis coding takes little longer than estimating.
-    if (coding_->parameters.dependent && needs_energy) {
-        rotation = colours ? hand.rotation() : -1;
-        const float plain = hand.estimate({});
-        const float rotated =
-            *rotation < 0 ? unreachable_cost : hand.estimate(rotated_by(*rotation));
-        if (std::min(plain, rotated) > clearly_more * limit)
+    BlockColour rotated;
+    float rotated_estimate = unreachable_cost;
+    if (estimates) {
+        const float plain_estimate = current.estimate({});
+        if (colours)
+            rotated = current.rotation();
+        if (rotated.is_rotated())
+            rotated_estimate = current.estimate(rotated);
+        if (std::min(plain_estimate, rotated_estimate) > clearly_more * limit)
             return unreachable_cost;
-
-        tries_rotated = rotated <= colours_apart * plain;
-        rotated_estimate = rotated;
+        tries_rotated = rotated_estimate <= colours_apart * plain_estimate;
     }
-    float least = unreachable_cost;
-    BlockColour best;
-    CodedBlock::Way best_way;
-    const auto offer = [&](const BlockColour& colour) {
-        const CodedBlock::Way way = hand.code(colour, needs_energy);
-        // A block whose first plane is empty has no symbol for its colour.
-        if (!colour.is_plain() && coded_.first_plane(way).coded_length == 0)
-            return;
-        const bool has_symbol = colours && coded_.first_plane(way).coded_length != 0;
-        const float cost =
-            way.cost + (has_symbol ? settings_->quantizer.lambda * colour_bits(colour) : 0.0f);
-        if (cost >= least)
-            return;
-        least = cost;
-        best = colour;
-        best_way = way;
-    };
-    const auto finish = [&] {
-        coded_.append(best_way, planes, out);
-        if (colours && coded_.first_plane(best_way).coded_length != 0)
-            memory.remember(best);
-        return least;
-    };
-    offer({}); // its luma is needed to predict chroma
-    if (coded_.is_zero(best_way, planes))
-        return finish();
-    if (colours && coded_.first_plane(best_way).coded_length != 0) {
-        const BlockColour shares = best_shares(hand.fit_chroma());
+    current.offer({}); // its luma is needed to predict chroma
+    if (current.is_zero())
+        return current.take(out);
+    if (estimates && colours && current.has_luma()) {
+        const BlockColour shares = best_shares(current.fit_chroma());
         if (shares.predicts_chroma()) {
-            const float rest = rotation ? hand.estimate(shares) : 0.0f;
-            if (!tries_rotated || rest <= colours_apart * rotated_estimate)
-                offer(shares);
-            tries_rotated = tries_rotated && rotated_estimate <= colours_apart * rest;
+            const float estimate = current.estimate(shares);
+            if (!tries_rotated || estimate <= colours_apart * rotated_estimate)
+                current.offer(shares);
+            tries_rotated = tries_rotated && rotated_estimate <= colours_apart * estimate;
         }
     }
-    if (tries_rotated && !rotation)
-        rotation = hand.rotation();
-    if (tries_rotated && *rotation >= 0)
-        offer(rotated_by(*rotation));
-    return finish();
+    if (tries_rotated && !estimates)
+        rotated = current.rotation();
+    if (tries_rotated && rotated.is_rotated())
+        current.offer(rotated);
+    return current.take(out);
 }
 
 // The shares, of a block's own or as before, that save most; none if none saves more than its bits.
