@@ -137,11 +137,11 @@ private:
         if (first_length > 0 && coding_.rotates) {
             const int kind =
                 coding_.tables.colour[static_cast<std::size_t>(last_colour_.context)].decode(rans_);
-            if (kind == 1)
+            if (kind == colour_as_before)
                 colour = last_colour_.last;
-            else if (kind == 2)
+            else if (kind == colour_rotated)
                 colour.rotation = static_cast<std::uint8_t>(1 + rans_.raw(rotation_index_bits));
-            else if (kind == 3)
+            else if (kind == colour_from_luma)
                 for (std::size_t c = 0; c < 2; ++c) {
                     const int share =
                         last_colour_.share[c] + decode_difference(rans_, coding_.tables.share[c]);
@@ -149,7 +149,7 @@ private:
                         return false;
                     colour.share[c] = static_cast<std::int8_t>(share);
                 }
-            if (colour.rotation > rotation_count || (kind == 3 && colour.is_plain()))
+            if (colour.rotation > rotation_count || (kind == colour_from_luma && colour.is_plain()))
                 return false;
             last_colour_.remember(colour);
         }

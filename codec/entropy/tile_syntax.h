@@ -3,8 +3,9 @@
 //
 //   split(depth classes, kind), prediction(context, symbol), displacement_kind(direction, kind),
 //   displacement(class, token), base(has one), from_base(block before does, copies),
-//   base_displacement(token), mode(context, symbol), first_length(context, token), other_length(previous, token),
-//   colour(context, kind), share(plane, token), zero(parameter index, is_zero), magnitude(table, token),
+//   base_displacement(token), mode(context, symbol), first_length(context, token),
+//   other_length(previous, token), colour(context, kind), share(plane, token),
+//   zero(parameter index, is_zero), magnitude(table, token),
 //   raw(value, bits)
 #pragma once
 
@@ -70,7 +71,10 @@ struct ColourMemory {
     std::array<std::int8_t, 2> share{};           // of the last predicted block
 
     int kind_of(const BlockColour& colour) const {
-        return colour.is_plain() ? 0 : colour == last ? 1 : colour.is_rotated() ? 2 : 3;
+        return colour.is_plain()     ? colour_plain
+               : colour == last      ? colour_as_before
+               : colour.is_rotated() ? colour_rotated
+                                     : colour_from_luma;
     }
     void remember(const BlockColour& colour) {
         context = colour.is_plain() ? 0 : colour.is_rotated() ? 1 : 2;
@@ -136,9 +140,9 @@ private:
     void walk_colour(const BlockColour& colour) {
         const int kind = last_colour_.kind_of(colour);
         visitor_.colour(last_colour_.context, kind);
-        if (kind == 2)
+        if (kind == colour_rotated)
             visitor_.raw(static_cast<std::uint32_t>(colour.rotation - 1), rotation_index_bits);
-        if (kind == 3)
+        if (kind == colour_from_luma)
             for (int c = 0; c < 2; ++c) {
                 const int difference = colour.share[c] - last_colour_.share[c];
                 const int token = difference_token(difference);

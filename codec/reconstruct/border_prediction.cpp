@@ -13,7 +13,6 @@ class Side {
 public:
     void begin(int length) { length_ = length; }
     void push(std::int32_t value) { texel_[static_cast<std::size_t>(count_++)] = value; }
-    bool is_empty() const { return count_ == 0; }
     // Repeats the last texel to the end.
     void extend() {
         std::fill(texel_.begin() + count_, texel_.begin() + length_,
@@ -77,20 +76,18 @@ private:
             left_.extend();
         else
             left_.fill(top_[0]);
-        corner_ = has_top_ && has_left_ ? corner : top_[0];
-        if (!has_top_)
-            corner_ = left_[0];
+        corner_ = !has_top_ ? left_[0] : !has_left_ ? top_[0] : corner;
     }
 
     std::int32_t mean() const {
         std::int32_t sum = 0, count = 0;
-        if (has_top_ || !has_left_)
+        if (has_top_)
             for (int i = 0; i < nu_; ++i, ++count)
                 sum += top_[i];
-        if (has_left_ || !has_top_)
+        if (has_left_)
             for (int i = 0; i < nv_; ++i, ++count)
                 sum += left_[i];
-        return floor_of(sum, count);
+        return count == 0 ? 0 : floor_of(sum, count);
     }
     static std::int32_t floor_of(std::int32_t a, std::int32_t b) {
         return a >= 0 ? a / b : -((b - 1 - a) / b);

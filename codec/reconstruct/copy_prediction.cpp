@@ -1,6 +1,7 @@
 #include "codec/reconstruct/copy_prediction.h"
 
 #include "codec/kernels/kernels.h"
+#include "codec/reconstruct/border_prediction.h"
 
 #include <algorithm>
 #include <array>
@@ -196,7 +197,10 @@ void predict_plane(const Block& block, const BlockPrediction& prediction, const 
                    const TilePlanes& decoded, std::size_t plane, std::vector<std::int32_t>& out) {
     const auto& n = block.shape.n;
     out.resize(std::max(out.size(), static_cast<std::size_t>(block.shape.texels())));
-    if (prediction.copies_base())
+    if (!prediction.copies())
+        predict_from_border(block, prediction.mode, decoded.shape, decoded.plane[plane],
+                            decoded.done, out.data());
+    else if (prediction.copies_base())
         BaseCopy(block, prediction, decoded, plane).run(BaseCopies::nothing_there, out.data());
     else
         copy_views(block, prediction, coding.parameters.smooth_copies, decoded.shape,

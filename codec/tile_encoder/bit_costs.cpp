@@ -55,7 +55,7 @@ BitCosts::BitCosts(const CodeTables& tables) {
     }
     for (std::size_t i = 0; i < colour.size(); ++i) {
         fill<colour_kinds>(colour[i], tables.colour[i]);
-        colour[i][2] += static_cast<float>(rotation_index_bits);
+        colour[i][colour_rotated] += static_cast<float>(rotation_index_bits);
     }
     for (std::size_t i = 0; i < share.size(); ++i) {
         fill<share_tokens>(share[i], tables.share[i]);

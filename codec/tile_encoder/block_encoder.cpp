@@ -215,7 +215,7 @@ BlockColour BlockEncoder::best_shares(const LumaFit& fit) const {
 float BlockEncoder::colour_bits(const BlockColour& colour) const {
     const int kind = memory.kind_of(colour);
     float bits = costs_->colour[memory.context][kind];
-    if (kind == 3)
+    if (kind == colour_from_luma)
         for (std::size_t c = 0; c < 2; ++c)
             bits += costs_->share[c][difference_token(colour.share[c] - memory.share[c])];
     return bits;
@@ -231,12 +231,11 @@ void BlockEncoder::encode_as(const BlockCoefficients& block, const BlockColour& 
             return;
         out.clear();
     }
-    quantizer_.quantize(block, out);
-    if (colour.predicts_chroma() && out.planes[0].coded_length != 0) {
+    const float luma_cost = quantizer_.quantize_luma(block, out);
+    const bool predicts = colour.predicts_chroma() && out.planes[0].coded_length != 0;
+    if (predicts)
         quantizer_.predict_chroma(block, colour, out, 0, coloured_);
-        out.clear();
-        quantizer_.quantize(coloured_, out);
-    }
+    quantizer_.quantize_others(predicts ? coloured_ : block, 0, luma_cost, out);
 }
 
 } // namespace tessera

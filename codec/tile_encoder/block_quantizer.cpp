@@ -46,8 +46,12 @@ float LumaFit::gain(const BlockColour& shares) const {
 
 BlockQuantizer::Cost BlockQuantizer::quantize(const BlockCoefficients& block, TileLevels& out) {
     const std::size_t luma = out.planes.size();
-    const float cost = quantize_plane(block, 0, 0, luma, out);
+    const float cost = quantize_luma(block, out);
     return quantize_others(block, luma, cost, out);
+}
+
+float BlockQuantizer::quantize_luma(const BlockCoefficients& block, TileLevels& out) {
+    return quantize_plane(block, 0, 0, out.planes.size(), out);
 }
 
 BlockQuantizer::Cost BlockQuantizer::quantize_chroma(const BlockCoefficients& block,
@@ -72,6 +76,19 @@ BlockQuantizer::Cost BlockQuantizer::quantize_others(const BlockCoefficients& bl
     for (int plane = 1; plane < coding_.planes; ++plane)
         cost.all += quantize_plane(block, plane, token, luma, out);
     return cost;
+}
+
+// Copies a block without what its arrays hold beyond it, which may be a large block's.
+void BlockQuantizer::take_block(const BlockCoefficients& from, BlockCoefficients& to) const {
+    to.shape = from.shape;
+    to.is_blank = from.is_blank;
+    to.copies = from.copies;
+    to.is_predicted = from.is_predicted;
+    to.fineness = from.fineness;
+    for (int plane = 0; plane < coding_.planes; ++plane) {
+        const auto first = from.plane[plane].begin();
+        to.plane[plane].assign(first, first + from.shape.texels());
+    }
 }
 
 void BlockQuantizer::decode_luma(const BlockCoefficients& block, const TileLevels& tile,
@@ -109,14 +126,12 @@ void BlockQuantizer::predict_chroma(const BlockCoefficients& block, const BlockC
                                     const TileLevels& tile, std::size_t first_plane,
                                     BlockCoefficients& out) {
     decode_luma(block, tile, first_plane);
-    out = block;
+    take_block(block, out);
     out.colour = colour;
     for (std::size_t c = 0; c < 2; ++c) {
         const float share = colour.share_of_luma(c);
         if (share == 0)
             continue;
-        if (out.is_blank[c + 1])
-            out.plane[c + 1].assign(out.plane[0].size(), 0.0f);
         out.is_blank[c + 1] = false;
         for (const auto& [place, luma] : luma_)
             out.plane[c + 1][place] -= share * luma;

@@ -57,7 +57,13 @@ public:
     };
     // Appends the block's colour, planes and levels to `out`, but not the block itself.
     Cost quantize(const BlockCoefficients& block, TileLevels& out);
-    // The same for a block whose first plane is already in `out`, at index `luma`.
+    // The same in two steps: appends the first plane, and returns its cost; then appends the others
+    // and the colour. The first plane is at index `luma`, and must be the last one in `out`.
+    float quantize_luma(const BlockCoefficients& block, TileLevels& out);
+    Cost quantize_others(const BlockCoefficients& block, std::size_t luma, float luma_cost,
+                         TileLevels& out);
+    // The same as quantize() for a block whose first plane is already in `out`, at index `luma`; it
+    // is appended again.
     Cost quantize_chroma(const BlockCoefficients& block, std::size_t luma, float luma_cost,
                          TileLevels& out);
     // How much of the decoded luma is in Co and Cg, by least squares. `tile` has the levels of the
@@ -78,8 +84,7 @@ private:
     }
     float quantize_plane(const BlockCoefficients& block, int plane, int first_token,
                          std::size_t first_plane, TileLevels& out);
-    Cost quantize_others(const BlockCoefficients& block, std::size_t luma, float luma_cost,
-                         TileLevels& out);
+    void take_block(const BlockCoefficients& from, BlockCoefficients& to) const;
     void decode_luma(const BlockCoefficients& block, const TileLevels& tile,
                      std::size_t first_plane);
     void find_crosses(const TileLevels& out, std::size_t first_plane, int end);

@@ -100,12 +100,11 @@ const std::vector<std::size_t>& LevelBalance::pay(const Means& error, const Tile
 // What one more of a block's first level in a plane adds to the sums of the channels.
 std::array<float, max_planes> LevelBalance::change_by_one(const BlockColour& colour,
                                                           std::size_t plane, float texels) const {
-    const bool coloured = !colour.is_plain() && plane < 3;
     const bool rotated = colour.is_rotated() && plane < 3;
     const double step = step_of(rotated, plane);
     Means planes{};
-    if (coloured) {
-        const RotationMatrix axes = colour_matrix(colour);
+    if (rotated) {
+        const RotationMatrix& axes = rotation_matrix(colour.rotation - 1);
         for (std::size_t i = 0; i < 3; ++i)
             planes[i] = step * axes[i][plane] / (1 << rotation_bits);
     } else {

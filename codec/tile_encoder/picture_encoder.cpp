@@ -53,14 +53,12 @@ float PictureEncoder::encode(const Block& root, TileLevels& out) {
 PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom freedom) {
     if (is_too_large(block.shape))
         return encode_parts(block, Split::spatial, freedom, unreachable_cost);
-    Node before;
-    before.colours = blocks_.memory;
-    before.modes = modes_;
+    const Memory before = memory();
     decoded_.done.forget(block);
     Node best = encode_whole(block);
     const auto& n = block.shape.n;
     const auto attempt = [&](Split split, Freedom of_parts) {
-        begin(block, before);
+        go_back(block, before);
         Node node = encode_parts(block, split, of_parts, best.cost);
         if (node.cost < best.cost)
             best = std::move(node);
@@ -77,8 +75,9 @@ PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom fre
         if (options.halves && can_halve_v)
             attempt(Split::v, of_halves);
     }
-    begin(block, before);
-    decode(best);
+    go_back(block, best.after);
+    for (std::size_t i = 0; i < best.levels.blocks.size(); ++i)
+        reconstruct_block(best.levels, i, coding_, scratch_, decoded_, search_.fineness());
     return best;
 }
 
@@ -99,17 +98,16 @@ PictureEncoder::Node PictureEncoder::encode_whole(const Block& block) {
         if (cost >= best.cost)
             continue;
         best.cost = cost;
-        best.colours = blocks_.memory;
+        best.after.colours = blocks_.memory;
         std::swap(best.levels, trial_);
         best.levels.predictions.assign(1, from_border(mode));
     }
-    best.cost += bits_cost(
-        costs_.split[depth_class(block.spatial_depth)][depth_class(block.angular_depth)][0]);
+    best.cost += split_cost(block, Split::none);
     best.levels.shape = decoded_.shape;
     best.levels.blocks.assign(1, block);
     best.levels.splits.assign(1, static_cast<std::uint8_t>(Split::none));
-    best.modes = modes_;
-    best.modes.remember(block, best.levels.predictions[0].mode);
+    best.after.modes = modes_;
+    best.after.modes.remember(block, best.levels.predictions[0].mode);
     return best;
 }
 
@@ -120,16 +118,14 @@ PictureEncoder::Node PictureEncoder::encode_parts(const Block& block, Split spli
     node.levels.shape = decoded_.shape;
     node.levels.splits.push_back(static_cast<std::uint8_t>(split));
     if (!is_too_large(block.shape))
-        node.cost = bits_cost(costs_.split[depth_class(block.spatial_depth)][depth_class(
-            block.angular_depth)][static_cast<std::size_t>(split)]);
+        node.cost = split_cost(block, split);
     const Children children = children_of(block, split);
     for (int i = 0; i < children.count && node.cost < limit; ++i) {
         const Node part = encode_node(children.block[static_cast<std::size_t>(i)], freedom);
         node.cost += part.cost;
         append(part.levels, node.levels);
     }
-    node.colours = blocks_.memory;
-    node.modes = modes_;
+    node.after = memory();
     return node;
 }
 
@@ -153,18 +149,11 @@ void PictureEncoder::find_candidates(const Block& block) {
     sort();
 }
 
-// Goes back to where a block is the next to be coded.
-void PictureEncoder::begin(const Block& block, const Node& before) {
-    blocks_.memory = before.colours;
-    modes_ = before.modes;
+// Goes to where the block is the next one to be decoded, with this memory.
+void PictureEncoder::go_back(const Block& block, const Memory& memory) {
+    blocks_.memory = memory.colours;
+    modes_ = memory.modes;
     decoded_.done.forget(block);
-}
-
-void PictureEncoder::decode(const Node& node) {
-    blocks_.memory = node.colours;
-    modes_ = node.modes;
-    for (std::size_t block = 0; block < node.levels.blocks.size(); ++block)
-        reconstruct_block(node.levels, block, coding_, scratch_, decoded_, search_.fineness());
 }
 
 } // namespace tessera

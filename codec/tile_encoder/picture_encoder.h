@@ -24,12 +24,16 @@ public:
     float encode(const Block& root, TileLevels& out);
 
 private:
-    // A node of the split tree in the cheapest way so far, and what the coder remembers after it.
+    // What the coding of a block depends on besides its texels.
+    struct Memory {
+        ColourMemory colours;
+        ModeMemory modes;
+    };
+    // A node of the split tree in the cheapest way so far.
     struct Node {
         float cost = 0;
         TileLevels levels;
-        ColourMemory colours;
-        ModeMemory modes;
+        Memory after;
     };
     // How a node may be split further: halves of halves are quarters, which stay whole.
     enum class Freedom { none, one_side, all };
@@ -42,8 +46,12 @@ private:
     float mode_cost(const Block& block, BorderMode mode) const {
         return bits_cost(costs_.mode[modes_.context(block)][modes_.symbol(block, mode)]);
     }
-    void begin(const Block& block, const Node& before);
-    void decode(const Node& node);
+    float split_cost(const Block& block, Split split) const {
+        return bits_cost(costs_.split[depth_class(block.spatial_depth)][depth_class(
+            block.angular_depth)][static_cast<std::size_t>(split)]);
+    }
+    Memory memory() const { return {blocks_.memory, modes_}; }
+    void go_back(const Block& block, const Memory& memory);
 
     const TileCoding& coding_;
     const BitCosts& costs_;

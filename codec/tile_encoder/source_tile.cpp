@@ -1,6 +1,5 @@
 #include "codec/tile_encoder/source_tile.h"
 
-#include "codec/reconstruct/border_prediction.h"
 #include "codec/reconstruct/copy_prediction.h"
 #include "codec/search_kernels/forward_dct.h"
 
@@ -59,12 +58,7 @@ void SourceTile::difference(const Block& block, const BlockPrediction& predictio
                             const TilePlanes& reconstructed, float* to) {
     const auto& n = block.shape.n;
     const bool is_predicted = prediction.is_predicted();
-    if (prediction.mode != mode_none) {
-        predicted_.resize(
-            std::max(predicted_.size(), static_cast<std::size_t>(block.shape.texels())));
-        predict_from_border(block, prediction.mode, shape_, reconstructed.plane[plane],
-                            reconstructed.done, predicted_.data());
-    } else if (is_predicted)
+    if (is_predicted)
         predict_plane(block, prediction, *coding_, reconstructed, plane, predicted_);
     const int image = n[0] * n[1];
     for (int t = 0; t < n[3]; ++t)

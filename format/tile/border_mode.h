@@ -27,21 +27,23 @@ constexpr BorderMode mode_vertical = mode_first_direction + 24;
 // How far a direction moves along its border per texel away from it, in 1/32: the entry |8 - k|
 // for k = 0..15 and |24 - k| for k = 16..31.
 constexpr std::array<std::uint8_t, 9> direction_slopes = {0, 2, 5, 9, 13, 17, 21, 26, 32};
-constexpr int direction_slope(int k) {
-    const int from_straight = k < first_upper_direction ? 8 - k : k - 24;
-    const int slope = direction_slopes[static_cast<std::size_t>(from_straight < 0 ? -from_straight
-                                                                                  : from_straight)];
-    return from_straight < 0 ? -slope : slope;
-}
-
-// 256 times 32 / |slope|, rounded: how far a direction of negative slope reaches along the other
-// border per texel.
 constexpr std::array<std::uint16_t, 9> direction_inverses = {0,   4096, 1638, 910, 630,
                                                              482, 390,  315,  256};
+// The number of directions from the horizontal or vertical one.
+constexpr int from_straight(int k) {
+    return k < first_upper_direction ? 8 - k : k - 24;
+}
+constexpr std::size_t entry_of_direction(int k) {
+    return static_cast<std::size_t>(from_straight(k) < 0 ? -from_straight(k) : from_straight(k));
+}
+constexpr int direction_slope(int k) {
+    const int slope = direction_slopes[entry_of_direction(k)];
+    return from_straight(k) < 0 ? -slope : slope;
+}
+// 256 times 32 / |slope|, rounded: how far a direction of negative slope reaches along the other
+// border per texel.
 constexpr int direction_inverse(int k) {
-    const int from_straight = k < first_upper_direction ? 8 - k : k - 24;
-    return direction_inverses[static_cast<std::size_t>(from_straight < 0 ? -from_straight
-                                                                         : from_straight)];
+    return direction_inverses[entry_of_direction(k)];
 }
 
 // What has been decoded of a picture. Blocks come in an order in which each column is decoded from

@@ -114,7 +114,9 @@ constexpr int magnitude_table(bool copies, int quantiser, int plane_class, bool 
                : neighbours / 2 * magnitude_crosses + std::max(cross - 2, 0));
 }
 
-constexpr int colour_kinds = 4;         // plain; as the last block that was not; rotated; predicted
+// The symbols of a block's colour.
+constexpr int colour_plain = 0, colour_as_before = 1, colour_rotated = 2, colour_from_luma = 3;
+constexpr int colour_kinds = 4;
 constexpr int colour_contexts = 3;      // the last block: plain, rotated, predicted
 constexpr int correction_contexts = 21; // neighbours 0..6, times 3 for the channel before
 constexpr int correction_tokens = magnitude_tokens + 1; // 0, then the tokens of magnitudes
