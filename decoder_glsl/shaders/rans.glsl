@@ -61,6 +61,15 @@ struct TsrSymbol {
     uint end;
 };
 
+// The symbol of a table before any of its starts is compared with the slot.
+TsrSymbol tsr_first_symbol() {
+    TsrSymbol s;
+    s.index = 0;
+    s.start = 0u;
+    s.end = 4096u;
+    return s;
+}
+
 // Compares two starts of a table with the slot. Starts ascend: the last one at or below the slot
 // begins the symbol, and the first one above the slot ends it.
 void tsr_two_starts(uint pair, uint slot, TSR_INOUT(TsrSymbol) s) {
@@ -82,10 +91,7 @@ void tsr_two_starts(uint pair, uint slot, TSR_INOUT(TsrSymbol) s) {
 // starts are read only when they are needed.
 int tsr_symbol(TSR_INOUT(TsrRans) r, uint at) {
     uint slot = r.state & 4095u;
-    TsrSymbol s;
-    s.index = 0;
-    s.start = 0u;
-    s.end = 4096u;
+    TsrSymbol s = tsr_first_symbol();
     tsr_two_starts(tsr_table(at), slot, s);
     tsr_two_starts(tsr_table(at + 1u), slot, s);
     if (s.index == 4) {
@@ -108,10 +114,7 @@ int tsr_symbol(TSR_INOUT(TsrRans) r, uint at) {
 
 // Decodes one of up to three symbols, whose table is one word.
 int tsr_symbol3(TSR_INOUT(TsrRans) r, uint at) {
-    TsrSymbol s;
-    s.index = 0;
-    s.start = 0u;
-    s.end = 4096u;
+    TsrSymbol s = tsr_first_symbol();
     tsr_two_starts(tsr_table(at), r.state & 4095u, s);
     tsr_consume(r, s.start, s.end);
     return s.index;
@@ -120,10 +123,7 @@ int tsr_symbol3(TSR_INOUT(TsrRans) r, uint at) {
 // Decodes one of up to five symbols, whose table is two words.
 int tsr_symbol5(TSR_INOUT(TsrRans) r, uint at) {
     uint slot = r.state & 4095u;
-    TsrSymbol s;
-    s.index = 0;
-    s.start = 0u;
-    s.end = 4096u;
+    TsrSymbol s = tsr_first_symbol();
     tsr_two_starts(tsr_table(at), slot, s);
     tsr_two_starts(tsr_table(at + 1u), slot, s);
     tsr_consume(r, s.start, s.end);

@@ -293,8 +293,8 @@ ivec4 tsr_from_base(TsrItem item, int u, int v, int s, int t) {
 }
 
 // Adds what a texel of a predicted tile copies, clamps the sum, keeps it for other blocks, and
-// returns it. border.comp adds predictions from the border. The range of what it gets is twice that
-// of values, because a prediction lies within the range of values.
+// returns it. border.comp adds predictions from the border later. It gets sums of up to twice the
+// range of values, because a prediction itself lies within that range.
 ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
     ivec4 copied = ivec4(0);
     bool of_base = (item.copies & tsr_copy_of_base) != 0u;

@@ -111,10 +111,7 @@ public:
     }
     // The length 1 of plane 0 of a block with that many texels.
     HandMadeTile& one_coefficient(int texels) {
-        tables_
-            .first_length[static_cast<std::size_t>(
-                length_context(shape_of(texels, 1, 1, 1), false))]
-            .encode(coder_, 1);
+        first_length(texels, 1);
         return *this;
     }
     HandMadeTile& colour(int context, int symbol) {
@@ -145,10 +142,7 @@ public:
     }
     // A block without coefficients.
     HandMadeTile& empty_block(int texels) {
-        tables_
-            .first_length[static_cast<std::size_t>(
-                length_context(shape_of(texels, 1, 1, 1), false))]
-            .encode(coder_, 0);
+        first_length(texels, 0);
         for (int plane = 1; plane < desc_.channels; ++plane)
             tables_.other_length[0].encode(coder_, 0);
         return *this;
@@ -182,6 +176,12 @@ public:
     }
 
 private:
+    // The length token of plane 0 of a block with that many texels.
+    void first_length(int texels, int token) {
+        const int context = length_context(shape_of(texels, 1, 1, 1), false);
+        tables_.first_length[static_cast<std::size_t>(context)].encode(coder_, token);
+    }
+
     const CodingParameters& parameters_;
     const TextureDesc desc_;
     const CodeTables tables_;

@@ -45,19 +45,25 @@ inline DecodeCase encoded_case(const std::string& texture, const TextureDesc& de
     return made;
 }
 
+// Calls visit(type, channels) for all sample types and numbers of channels.
+template <class Visit> void for_each_kind(Visit visit) {
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
+        for (std::uint8_t channels = 1; channels <= 4; ++channels)
+            visit(type, channels);
+}
+
 inline std::vector<DecodeCase> encoded_cases() {
     using Kind = RateTarget::Kind;
     std::vector<DecodeCase> cases;
-    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
-        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
+    for_each_kind([&](SampleType type, std::uint8_t channels) {
+        cases.push_back(
+            encoded_case("smooth", {{33, 11, 9, 4}, type, channels}, {Kind::quality, 60}));
+        cases.push_back(encoded_case("noise", {{9, 6, 5, 7}, type, channels},
+                                     {Kind::max_error, type == SampleType::unorm8 ? 2. : 40.}));
+        if (channels >= 2) // gives stored tiles
             cases.push_back(
-                encoded_case("smooth", {{33, 11, 9, 4}, type, channels}, {Kind::quality, 60}));
-            cases.push_back(encoded_case("noise", {{9, 6, 5, 7}, type, channels},
-                                         {Kind::max_error, type == SampleType::unorm8 ? 2. : 40.}));
-            if (channels >= 2) // gives stored tiles
-                cases.push_back(
-                    encoded_case("noise", {{9, 6, 5, 3}, type, channels}, {Kind::max_error, 0}));
-        }
+                encoded_case("noise", {{9, 6, 5, 3}, type, channels}, {Kind::max_error, 0}));
+    });
     const TextureDesc rgb{{34, 9, 9, 5}, SampleType::unorm8, 3};
     for (const char* name :
          {"black", "constant", "lambert", "checkerboard", "bright_texel", "grazing_ramp", "noise"})
@@ -153,13 +159,12 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
 inline std::vector<DecodeCase> random_cases() {
     std::vector<DecodeCase> cases;
     std::uint32_t seed = 100;
-    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
-        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
-            cases.push_back(
-                random_case(++seed, type, channels, {64, 20, 9, 3}, {32, 32, 8, 8}, 0.6, 0.1, 4));
-            cases.push_back(
-                random_case(++seed, type, channels, {13, 21, 9, 6}, {13, 7, 5, 6}, 0.9, 0.3, 20));
-        }
+    for_each_kind([&](SampleType type, std::uint8_t channels) {
+        cases.push_back(
+            random_case(++seed, type, channels, {64, 20, 9, 3}, {32, 32, 8, 8}, 0.6, 0.1, 4));
+        cases.push_back(
+            random_case(++seed, type, channels, {13, 21, 9, 6}, {13, 7, 5, 6}, 0.9, 0.3, 20));
+    });
     cases.push_back(
         random_case(++seed, SampleType::unorm8, 3, {32, 32, 8, 8}, {32, 32, 8, 8}, 0.97, 0.02, 2));
     cases.push_back(
@@ -187,16 +192,15 @@ inline std::vector<DecodeCase> random_cases() {
 inline std::vector<DecodeCase> predicted_cases() {
     std::vector<DecodeCase> cases;
     std::uint32_t seed = 200;
-    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
-        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
-            cases.push_back(random_case(++seed, type, channels, {40, 12, 11, 5}, {32, 32, 8, 8},
-                                        0.8, 0.02, 6, 0.7));
-            cases.push_back(random_case(++seed, type, channels, {13, 21, 9, 6}, {13, 7, 5, 6}, 0.9,
-                                        0.1, 20, 0.3));
-            // Long chains of copies of large values.
-            cases.push_back(random_case(++seed, type, channels, {3, 5, 32, 17}, {3, 5, 32, 17},
-                                        0.98, 0.1, 18, 0.9));
-        }
+    for_each_kind([&](SampleType type, std::uint8_t channels) {
+        cases.push_back(random_case(++seed, type, channels, {40, 12, 11, 5}, {32, 32, 8, 8}, 0.8,
+                                    0.02, 6, 0.7));
+        cases.push_back(
+            random_case(++seed, type, channels, {13, 21, 9, 6}, {13, 7, 5, 6}, 0.9, 0.1, 20, 0.3));
+        // Long chains of copies of large values.
+        cases.push_back(random_case(++seed, type, channels, {3, 5, 32, 17}, {3, 5, 32, 17}, 0.98,
+                                    0.1, 18, 0.9));
+    });
     // Sides above 32, with predictions.
     cases.push_back(random_case(++seed, SampleType::unorm8, 3, {125, 45, 5, 3}, {63, 45, 5, 3}, 0.7,
                                 0.02, 6, 0.7));
@@ -212,13 +216,12 @@ inline std::vector<DecodeCase> predicted_cases() {
         cases.push_back(random_case(seed, SampleType::unorm8, 3, size, size, split, 0.02, 6, 0.7));
     }
     // Pictures, some of them in tiles with sides above 64. Values reach the limits of both types.
-    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
-        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
-            cases.push_back(random_case(++seed, type, channels, {37, 53, 1, 1}, {37, 53, 1, 1}, 0.9,
-                                        0.05, 20, 0.8));
-            cases.push_back(random_case(++seed, type, channels, {256, 100, 1, 1}, {256, 100, 1, 1},
-                                        0.8, 0.01, 6, 0.6));
-        }
+    for_each_kind([&](SampleType type, std::uint8_t channels) {
+        cases.push_back(random_case(++seed, type, channels, {37, 53, 1, 1}, {37, 53, 1, 1}, 0.9,
+                                    0.05, 20, 0.8));
+        cases.push_back(random_case(++seed, type, channels, {256, 100, 1, 1}, {256, 100, 1, 1}, 0.8,
+                                    0.01, 6, 0.6));
+    });
     cases.push_back(random_case(++seed, SampleType::unorm8, 3, {256, 256, 1, 1}, {256, 256, 1, 1},
                                 0, 0.002, 4, 1));
     cases.push_back(random_case(++seed, SampleType::half16, 3, {130, 70, 2, 1}, {65, 70, 1, 1}, 0.9,
@@ -235,13 +238,12 @@ inline std::vector<DecodeCase> predicted_cases() {
 inline std::vector<DecodeCase> picture_cases() {
     std::vector<DecodeCase> cases;
     std::uint32_t seed = 300;
-    for (const SampleType type : {SampleType::unorm8, SampleType::half16})
-        for (std::uint8_t channels = 1; channels <= 4; ++channels) {
-            cases.push_back(random_case(++seed, type, channels, {77, 45, 1, 1}, {40, 45, 1, 1}, 0.8,
-                                        0.05, 6, 0.8));
-            cases.push_back(random_case(++seed, type, channels, {33, 37, 1, 1}, {64, 64, 1, 1},
-                                        0.95, 0.3, 20, 0.9));
-        }
+    for_each_kind([&](SampleType type, std::uint8_t channels) {
+        cases.push_back(
+            random_case(++seed, type, channels, {77, 45, 1, 1}, {40, 45, 1, 1}, 0.8, 0.05, 6, 0.8));
+        cases.push_back(random_case(++seed, type, channels, {33, 37, 1, 1}, {64, 64, 1, 1}, 0.95,
+                                    0.3, 20, 0.9));
+    });
     cases.push_back(random_case(++seed, SampleType::unorm8, 3, {256, 256, 1, 1}, {256, 256, 1, 1},
                                 0.9, 0.02, 5, 0.9));
     cases.push_back(random_case(++seed, SampleType::half16, 3, {300, 131, 1, 1}, {256, 256, 1, 1},
