@@ -57,7 +57,8 @@ Extent4 largest_tile(const Extent4& size, std::uint32_t s, std::uint32_t t,
 TileShapes tile_shapes(const Extent4& size, const EncodeOptions& options) {
     if (options.layers)
         return {{usual_tile, short_tile}, 0};
-    if (options.description.proxy == Proxy::mesh)
+    const bool is_picture = size[axis_s] * size[axis_t] == 1;
+    if (options.description.proxy == Proxy::mesh && !is_picture)
         return {{usual_tile, wide_tile}, 0};
     TileShapes shapes;
     std::uint32_t parts_s = parts_of(size[axis_s], most_views);

@@ -142,6 +142,8 @@ TEST(TileShapes, LayersAndMeshesHaveTheirOwnCandidates) {
     mesh.description.proxy = Proxy::mesh;
     EXPECT_EQ(tile_shapes({256, 256, 9, 9}, layers).tiles, (std::vector{usual, few_views}));
     EXPECT_EQ(tile_shapes({256, 256, 9, 9}, mesh).tiles, (std::vector{usual, wide}));
+    EXPECT_EQ(tile_shapes({512, 512, 1, 1}, mesh).tiles, (std::vector{Extent4{256, 256, 1, 1}}))
+        << "a picture on a mesh has the tiles of a picture";
 }
 
 TEST(TileChoice, BlurredViewsGetWideTiles) {
