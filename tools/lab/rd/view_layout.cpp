@@ -1,6 +1,7 @@
 #include "tools/lab/rd/view_layout.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -20,6 +21,30 @@ void copy_view(const RdTexture& texture, ViewIndex view, Picture& picture, std::
 
 Picture empty_picture(std::uint32_t width, std::uint32_t height) {
     return {width, height, std::vector<std::byte>(std::size_t{width} * height * 3)};
+}
+
+std::size_t bytes_per_sample(VideoSamples samples) {
+    return samples == VideoSamples::bits10 ? 2 : 1;
+}
+
+float scale_of(VideoSamples samples) {
+    return samples == VideoSamples::bits10 ? 4 : 1;
+}
+
+void put_sample(std::byte* at, VideoSamples samples, float value) {
+    if (samples == VideoSamples::bits8) {
+        *at = to_byte(value);
+        return;
+    }
+    const auto code = static_cast<unsigned>(std::clamp(std::lround(value), 0l, 1023l));
+    at[0] = static_cast<std::byte>(code & 255);
+    at[1] = static_cast<std::byte>(code >> 8);
+}
+
+float sample_at(const std::byte* at, VideoSamples samples) {
+    const int low = std::to_integer<int>(at[0]);
+    return static_cast<float>(
+        samples == VideoSamples::bits8 ? low : low + 256 * std::to_integer<int>(at[1]));
 }
 
 } // namespace
@@ -60,34 +85,38 @@ void store_mosaic(const Picture& picture, const Extent4& size, std::vector<std::
         store_view(picture, view.s * size[axis_u], view.t * size[axis_v], size, view, texels);
 }
 
-std::vector<std::byte> video_of(const RdTexture& texture) {
+std::vector<std::byte> video_of(const RdTexture& texture, VideoSamples samples) {
     std::vector<std::byte> video;
+    const std::size_t width = bytes_per_sample(samples);
+    const float scale = scale_of(samples);
     for (const ViewIndex view : serpentine(texture.desc.size)) {
         const Picture picture = view_picture(texture, view);
         const std::size_t plane = picture.rgb.size() / 3, first = video.size();
-        video.resize(first + 3 * plane);
+        video.resize(first + 3 * plane * width);
         for (std::size_t i = 0; i < plane; ++i) {
             const auto c = [&](std::size_t k) {
                 return static_cast<float>(std::to_integer<int>(picture.rgb[3 * i + k]));
             };
             const float r = c(0), g = c(1), b = c(2);
-            video[first + i] = to_byte((r + 2 * g + b) / 4);
-            video[first + plane + i] = to_byte((2 * g - r - b) / 4 + 128);
-            video[first + 2 * plane + i] = to_byte((r - b) / 2 + 128);
+            const std::array ycgco = {(r + 2 * g + b) / 4, (2 * g - r - b) / 4 + 128,
+                                      (r - b) / 2 + 128};
+            for (std::size_t k = 0; k < 3; ++k)
+                put_sample(&video[first + (k * plane + i) * width], samples, ycgco[k] * scale);
         }
     }
     return video;
 }
 
-void store_video(std::span<const std::byte> video, const Extent4& n,
+void store_video(std::span<const std::byte> video, VideoSamples samples, const Extent4& n,
                  std::vector<std::byte>& texels) {
     Picture picture = empty_picture(n[axis_u], n[axis_v]);
-    const std::size_t plane = picture.rgb.size() / 3;
+    const std::size_t plane = picture.rgb.size() / 3, width = bytes_per_sample(samples);
+    const float scale = scale_of(samples);
     const std::byte* frame = video.data();
     for (const ViewIndex view : serpentine(n)) {
         for (std::size_t i = 0; i < plane; ++i) {
             const auto c = [&](std::size_t k) {
-                return static_cast<float>(std::to_integer<int>(frame[k * plane + i]));
+                return sample_at(frame + (k * plane + i) * width, samples) / scale;
             };
             const float y = c(0), cg = c(1) - 128, co = c(2) - 128;
             picture.rgb[3 * i] = to_byte(y - cg + co);
@@ -95,7 +124,7 @@ void store_video(std::span<const std::byte> video, const Extent4& n,
             picture.rgb[3 * i + 2] = to_byte(y - cg - co);
         }
         store_view(picture, 0, 0, n, view, texels);
-        frame += 3 * plane;
+        frame += 3 * plane * width;
     }
 }
 

@@ -26,11 +26,15 @@ void store_view(const Picture& picture, std::uint32_t x, std::uint32_t y, const 
                 ViewIndex view, std::vector<std::byte>& texels);
 void store_mosaic(const Picture& picture, const Extent4& size, std::vector<std::byte>& texels);
 
+// Precision of the samples of a video. Samples of ten bits take two bytes, low byte first, and hold
+// YCgCo without rounding.
+enum class VideoSamples { bits8, bits10 };
+
 // Planar 4:4:4 frames of full range, in serpentine order. The planes are Y, Cg and Co: with them
 // x265 needs 3 % fewer bits than with BT.709 at equal PSNR.
-std::vector<std::byte> video_of(const RdTexture& texture);
+std::vector<std::byte> video_of(const RdTexture& texture, VideoSamples samples);
 // Precondition: `video` has the size that video_of() returns.
-void store_video(std::span<const std::byte> video, const Extent4& size,
+void store_video(std::span<const std::byte> video, VideoSamples samples, const Extent4& size,
                  std::vector<std::byte>& texels);
 
 } // namespace tessera
