@@ -181,7 +181,7 @@ float BlockEncoder::encode(BlockSearch& search, const Block& block,
     current.offer({}); // its luma is needed to predict chroma
     if (current.is_zero())
         return current.take(out);
-    if (estimates && colours && current.has_luma()) {
+    if (estimates && colours && settings_->chroma_from_luma && current.has_luma()) {
         const BlockColour shares = best_shares(current.fit_chroma());
         if (shares.predicts_chroma()) {
             const float estimate = current.estimate(shares);

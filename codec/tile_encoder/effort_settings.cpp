@@ -57,6 +57,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
                                                                   : level.grids;
     settings.ycocg = tools.is_on(CodingTool::ycocg, true);
     settings.rotate_colours = settings.ycocg && tools.is_on(CodingTool::rotation, level.rotation);
+    settings.chroma_from_luma = tools.is_on(CodingTool::chroma_from_luma, true);
     settings.search.rotated_colours = tools.is_on(CodingTool::rotated_search, level.rotation);
     settings.quantizer.optimise = tools.is_on(CodingTool::rdo, true);
     settings.dependent =
@@ -75,6 +76,10 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);
     if (copies)
         settings.pictures = level_copies ? level.pictures : PictureSearch{1, off, off};
+    PictureSearch& pictures = settings.pictures;
+    pictures.borders = tools.is_on(CodingTool::borders, true);
+    pictures.halves = tools.is_on(CodingTool::picture_splits, pictures.halves);
+    pictures.quarters = tools.is_on(CodingTool::picture_splits, pictures.quarters);
     settings.try_alignment = tools.is_on(CodingTool::align, level_copies);
     settings.balance = tools.is_on(CodingTool::balance, true);
     settings.filter = tools.is_on(CodingTool::filter, level_copies);

@@ -13,6 +13,7 @@ struct PictureSearch {
     int coded_modes = 0;   // border modes of a block that are coded in full; 0: no border modes
     bool halves = false;   // blocks may be halves of squares,
     bool quarters = false; // ... and quarters, or halves of these
+    bool borders = true;   // blocks are predicted from their borders
 };
 
 struct EffortSettings {
@@ -21,16 +22,17 @@ struct EffortSettings {
     bool recode = true;         // code again with tables fitted to all tiles, not only to a sample
     bool dependent = true;      // dependent quantisation, by a trellis
     bool rotate_colours = true; // try rotated colour axes for every block
-    bool ycocg = true;          // instead of RGB
-    bool fit_tables = true;     // to the sample, and to all tiles
-    bool filter = true;         // fit a filter, if that is worth it
-    bool try_smooth = true;     // a trial decides whether copies are smoothed,
-    bool try_base = true;       // ... whether tiles have base pictures,
-    bool try_alignment = true;  // ... whether views are aligned,
-    bool try_dense = true;      // ... whether tables are learnt from a dense start
-    bool balance = true;        // tiles keep the mean of their texels
-    bool quick = false;         // small samples, and estimates to choose tiles' shape
-    int copy_rounds = 1;        // of the search for blocks that copy
+    bool chroma_from_luma = true; // predict Co and Cg from luma
+    bool ycocg = true;            // instead of RGB
+    bool fit_tables = true;       // to the sample, and to all tiles
+    bool filter = true;           // fit a filter, if that is worth it
+    bool try_smooth = true;       // a trial decides whether copies are smoothed,
+    bool try_base = true;         // ... whether tiles have base pictures,
+    bool try_alignment = true;    // ... whether views are aligned,
+    bool try_dense = true;        // ... whether tables are learnt from a dense start
+    bool balance = true;          // tiles keep the mean of their texels
+    bool quick = false;           // small samples, and estimates to choose tiles' shape
+    int copy_rounds = 1;          // of the search for blocks that copy
     PictureSearch pictures;
     int refinements = 1; // rounds of splitting and merging at real costs
 

@@ -139,7 +139,8 @@ void PictureEncoder::find_candidates(const Block& block) {
         std::ranges::stable_sort(candidates_, {}, &Candidate::cost); // the same on every platform
     };
     candidates_.clear();
-    const bool has_border = block.origin[0] > 0 || block.origin[1] > 0;
+    const bool has_border =
+        settings_.pictures.borders && (block.origin[0] > 0 || block.origin[1] > 0);
     for (int mode = 0; mode < (has_border ? border_mode_count : 1); ++mode)
         candidates_.push_back(estimate(static_cast<BorderMode>(mode), 1));
     sort();

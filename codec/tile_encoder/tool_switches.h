@@ -25,12 +25,16 @@ enum class CodingTool : std::uint8_t {
     filter,         // decoded tiles are filtered
     refine,         // blocks are split and merged where coding them shows that it pays
     balance,        // tiles keep their mean colours
+    borders,        // blocks of pictures are predicted from the texels beside them
+    picture_splits, // blocks of pictures are also cut into halves and quarters along u or v
+    chroma_from_luma, // Co and Cg of a block are predicted from its luma
 };
 
 inline constexpr std::array coding_tool_names = {
-    "copies", "half",          "rotation",     "ycocg",  "rotated-search", "dependent",
-    "rdo",    "fitted-tables", "dense-tables", "grids",  "smooth",         "base",
-    "align",  "filter",        "refine",       "balance"};
+    "copies",    "half",    "rotation",       "ycocg",           "rotated-search",
+    "dependent", "rdo",     "fitted-tables",  "dense-tables",    "grids",
+    "smooth",    "base",    "align",          "filter",          "refine",
+    "balance",   "borders", "picture-splits", "chroma-from-luma"};
 
 // Overrides of an effort's choice; without any, the effort decides.
 class ToolSwitches {

@@ -48,12 +48,17 @@ struct Experiment {
     std::string name;
     ToolSwitches tools{};
     int effort = EncodeOptions().effort;
+    bool small_tiles = false; // textures of one view have tiles of 64x64
 };
 
 struct Curve {
     std::vector<RatePoint> points;
     double encode_seconds = 0, decode_seconds = 0; // sums over all points
 };
+
+bool is_picture(const Extent4& size) {
+    return size[axis_s] == 1 && size[axis_t] == 1;
+}
 
 Result<Curve> measure(const Task& task, const Experiment& experiment) {
     Curve curve;
@@ -64,6 +69,8 @@ Result<Curve> measure(const Task& task, const Experiment& experiment) {
         options.rate = {RateTarget::Kind::quality, quality};
         options.effort = experiment.effort;
         options.threads = threads;
+        if (experiment.small_tiles && is_picture(task.texture.desc.size))
+            options.tile_extent = {64, 64, 1, 1};
         std::vector<std::byte> file;
         const double begun = seconds();
         const auto report = encode_memory(source, file, options, experiment.tools);
@@ -120,6 +127,8 @@ std::vector<Experiment> experiments(const Request& request) {
         all.back().tools.set(static_cast<CodingTool>(i), false);
     }
     if (request.tools.empty()) {
+        all.push_back({"-large-tiles", {}});
+        all.back().small_tiles = true;
         all.push_back({"none", {}});
         all.back().tools.set_all(false);
     }
