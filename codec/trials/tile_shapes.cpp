@@ -57,7 +57,7 @@ Extent4 largest_tile(const Extent4& size, std::uint32_t s, std::uint32_t t,
 TileShapes tile_shapes(const Extent4& size, const EncodeOptions& options) {
     if (options.layers)
         return {{usual_tile, short_tile}, 0};
-    const bool is_picture = size[axis_s] * size[axis_t] == 1;
+    const bool is_picture = size[axis_s] == 1 && size[axis_t] == 1;
     if (options.description.proxy == Proxy::mesh && !is_picture)
         return {{usual_tile, wide_tile}, 0};
     TileShapes shapes;

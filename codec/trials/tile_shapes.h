@@ -8,7 +8,8 @@
 
 namespace tessera {
 
-// For textures on a mesh, whose charts lie on multiples of 32, and for files with layers.
+// For textures of several views on a mesh, whose charts lie on multiples of 32, and for files with
+// layers.
 inline constexpr Extent4 usual_tile{32, 32, 8, 8};
 inline constexpr Extent4 wide_tile{64, 64, 4, 4};
 // Replaces the wide tile in files with layers, which are fetched view by view. An observer outside

@@ -50,7 +50,7 @@ std::vector<std::string> x265_medium(const VideoInput& in, const std::string& ou
     return x265("medium", in, out, setting, group);
 }
 
-// One pass at 8 bits and speed 4 needs more bits at equal PSNR.
+// Ten bits hold YCgCo exactly. One pass, 8 bits or speed 4 would need more bits at equal PSNR.
 std::vector<std::string> libaom(const VideoInput& in, const std::string& out,
                                 const std::string& setting, unsigned) {
     return {"aomenc",
