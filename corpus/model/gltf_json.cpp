@@ -1,5 +1,6 @@
 #include "corpus/model/gltf_json.h"
 
+#include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int deepest_json = 64;
+constexpr std::size_t longest_header = 300; // of a data URI
 constexpr const char* draco_name = "KHR_draco_mesh_compression";
 
 std::uint32_t number_at(const std::vector<unsigned char>& bytes, std::size_t at) {
@@ -125,15 +127,58 @@ Result<DracoUse> take_draco(Json& primitive, const std::string& name) {
     return use;
 }
 
+bool is_supported(const std::string& extension) {
+    constexpr const char* supported[] = {draco_name,
+                                         "EXT_mesh_gpu_instancing",
+                                         "EXT_texture_webp",
+                                         "KHR_materials_emissive_strength",
+                                         "KHR_mesh_quantization",
+                                         "KHR_texture_transform"};
+    return std::ranges::find(supported, extension) != std::end(supported);
+}
+
 Status check_extensions(const Json& root) {
     const auto it = root.find("extensionsRequired");
     if (it == root.end() || !it->is_array())
         return {};
     for (const Json& name : *it)
-        if (!name.is_string() || (name != draco_name && name != "KHR_mesh_quantization" &&
-                                  name != "KHR_materials_emissive_strength"))
-            return {ErrorCode::unsupported, "requires the extension " + name.dump()};
+        if (!name.is_string() || !is_supported(name.get<std::string>()))
+            return {ErrorCode::unsupported,
+                    "requires the extension " + name.dump().substr(0, longest_shown)};
     return {};
+}
+
+// Counts the uses of unsupported extensions below `value`, which is at most deepest_json deep.
+void count_ignored(const Json& value, std::map<std::string, std::size_t>& ignored) {
+    if (value.is_object())
+        if (const auto it = value.find("extensions"); it != value.end() && it->is_object())
+            for (const auto& [name, extension] : it->items())
+                if (!is_supported(name))
+                    ++ignored[name.substr(0, longest_shown)];
+    for (const Json& part : value)
+        if (part.is_structured())
+            count_ignored(part, ignored);
+}
+
+// Makes tinygltf find what a URI means: it takes '+' for a blank, and knows few media types of data.
+void normalise_uri(Json& object) {
+    const auto it = object.find("uri");
+    if (it == object.end() || !it->is_string())
+        return;
+    auto uri = it->get<std::string>();
+    const auto lower = [](char c) {
+        return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    };
+    const std::size_t comma = std::min(uri.find(','), longest_header);
+    std::string header = uri.substr(0, comma);
+    std::ranges::transform(header, header.begin(), lower);
+    if (!header.starts_with("data:")) {
+        for (std::size_t i = 0; (i = uri.find('+', i)) != std::string::npos; i += 3)
+            uri.replace(i, 1, "%2B");
+    } else if (header.ends_with(";base64")) {
+        uri.replace(0, comma, "data:application/octet-stream;base64");
+    }
+    *it = std::move(uri);
 }
 
 } // namespace
@@ -155,6 +200,12 @@ Result<SafeGltf> make_safe_gltf(std::vector<unsigned char> bytes) {
         return invalid_gltf("is not JSON");
     TESSERA_TRY(check_extensions(root));
     TESSERA_TRY(check_views(root));
+    count_ignored(root, safe.ignored);
+    for (const char* name : {"buffers", "images"}) {
+        TESSERA_TRY_ASSIGN(const auto objects, objects_of(root, name));
+        for (Json* object : objects)
+            normalise_uri(*object);
+    }
     TESSERA_TRY_ASSIGN(const auto meshes, objects_of(root, "meshes"));
     for (std::size_t m = 0; m < meshes.size(); ++m) {
         TESSERA_TRY_ASSIGN(const auto primitives, objects_of(*meshes[m], "primitives"));

@@ -13,6 +13,7 @@
 namespace tessera::corpus {
 
 constexpr std::uint32_t most_vertices = 1u << 23; // per primitive
+constexpr std::size_t longest_shown = 80;         // of a name in the file, in messages
 
 inline Status invalid_gltf(const std::string& text) {
     return {ErrorCode::invalid_file, text};
@@ -28,6 +29,7 @@ struct SafeGltf {
     std::string json;                  // without the Draco extension
     std::vector<unsigned char> binary; // the buffer of a .glb; may be empty
     std::map<std::pair<std::size_t, std::size_t>, DracoUse> draco; // by mesh and primitive
+    std::map<std::string, std::size_t> ignored; // how often unsupported extensions are used
 };
 
 // Checks the bytes of a .gltf or .glb. Errors: invalid_file (no JSON, nested too deeply, a view

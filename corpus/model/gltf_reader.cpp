@@ -1,116 +1,15 @@
 // glTF 2.0, read with tinygltf.
-#include "corpus/model/readers.h"
+#include "corpus/model/gltf_materials.h"
 
 #include <algorithm>
-#include <cstring>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
-#include <tiny_gltf.h>
 
 namespace tessera::corpus {
 namespace {
 
-using tinygltf::Accessor;
-
 constexpr int deepest = 64;                 // levels of nodes
 constexpr std::size_t most_nodes = 100'000; // in the scene, with repetitions
-
-template <class Array> bool has(const Array& array, int index) {
-    return index >= 0 && static_cast<std::size_t>(index) < array.size();
-}
-
-template <class Array> auto& at(const Array& array, int index) {
-    return array[static_cast<std::size_t>(index)];
-}
-
-Result<std::span<const unsigned char>> view_bytes(const tinygltf::Model& file, int index,
-                                                  const std::string& who) {
-    if (!has(file.bufferViews, index))
-        return invalid_gltf(who + " has no bufferView");
-    const tinygltf::BufferView& view = at(file.bufferViews, index);
-    if (!has(file.buffers, view.buffer))
-        return invalid_gltf("bufferView " + std::to_string(index) + " has no buffer");
-    const auto& data = at(file.buffers, view.buffer).data;
-    if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
-        return invalid_gltf("bufferView " + std::to_string(index) + " lies outside its buffer");
-    return std::span(data).subspan(view.byteOffset, view.byteLength);
-}
-
-template <class Number> double read_number(const unsigned char* from, bool normalized) {
-    Number x;
-    std::memcpy(&x, from, sizeof x);
-    if (!normalized || std::is_floating_point_v<Number>)
-        return static_cast<double>(x);
-    return std::max(-1.0, static_cast<double>(x) /
-                              static_cast<double>(std::numeric_limits<Number>::max()));
-}
-
-double read_component(const unsigned char* from, int type, bool normalized) {
-    switch (type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-        return read_number<std::int8_t>(from, normalized);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-        return read_number<std::uint8_t>(from, normalized);
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-        return read_number<std::int16_t>(from, normalized);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-        return read_number<std::uint16_t>(from, normalized);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-        return read_number<std::uint32_t>(from, normalized);
-    default:
-        return read_number<float>(from, false);
-    }
-}
-
-// Calls put(element, component, number) for every number of the accessor, whose elements must have
-// `least` to `most` components. Returns the count of elements.
-template <class Put>
-Result<std::size_t> read_accessor(const tinygltf::Model& file, int index, int least, int most,
-                                  const Put& put) {
-    const std::string who = "accessor " + std::to_string(index);
-    if (!has(file.accessors, index))
-        return invalid_gltf(who + " does not exist");
-    const Accessor& a = at(file.accessors, index);
-    const int n = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
-    const int bytes =
-        tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(a.componentType));
-    if (n < least || n > most || bytes <= 0 || bytes > 4)
-        return invalid_gltf(who + " has the wrong type");
-    if (a.sparse.isSparse)
-        return Status(ErrorCode::unsupported, who + " is sparse");
-    if (a.count > most_vertices)
-        return Status(ErrorCode::unsupported,
-                      who + " has more than " + std::to_string(most_vertices) + " elements");
-    TESSERA_TRY_ASSIGN(const auto data, view_bytes(file, a.bufferView, who));
-    const std::uint64_t element = static_cast<std::uint64_t>(n) * static_cast<unsigned>(bytes);
-    std::uint64_t stride = at(file.bufferViews, a.bufferView).byteStride;
-    stride = stride == 0 ? element : stride;
-    if (a.count != 0 && (a.byteOffset > data.size() || stride < element || stride > 4096 ||
-                         (a.count - 1) * stride + element > data.size() - a.byteOffset))
-        return invalid_gltf(who + " reaches beyond its bufferView");
-    for (std::size_t i = 0; i < a.count; ++i)
-        for (int c = 0; c < n; ++c)
-            put(i, c,
-                read_component(data.data() + a.byteOffset + i * stride +
-                                   static_cast<std::size_t>(c) * static_cast<std::size_t>(bytes),
-                               a.componentType, a.normalized));
-    return a.count;
-}
-
-template <class Vector>
-Status read_attribute(const tinygltf::Model& file, const tinygltf::Primitive& primitive,
-                      const char* name, std::vector<Vector>& values, int least, float otherwise) {
-    const auto it = primitive.attributes.find(name);
-    if (it == primitive.attributes.end())
-        return {};
-    if (has(file.accessors, it->second) && at(file.accessors, it->second).count <= most_vertices)
-        values.assign(at(file.accessors, it->second).count, Vector(otherwise));
-    return read_accessor(
-               file, it->second, least, Vector::length(),
-               [&](std::size_t i, int c, double x) { values[i][c] = static_cast<float>(x); })
-        .status()
-        .with_context(name);
-}
 
 Status read_indices(const tinygltf::Model& file, const tinygltf::Primitive& primitive,
                     ModelPart& part) {
@@ -153,7 +52,7 @@ Result<ModelPart> read_primitive(const tinygltf::Model& file, const SafeGltf& sa
         return part;
     }
     const auto read = [&](const char* name, auto& values, int least, float otherwise) {
-        return read_attribute(file, primitive, name, values, least, otherwise)
+        return read_attribute(file, primitive.attributes, name, values, least, otherwise)
             .with_context(part.name);
     };
     TESSERA_TRY(read("POSITION", part.positions, 3, 0.0f));
@@ -164,62 +63,6 @@ Result<ModelPart> read_primitive(const tinygltf::Model& file, const SafeGltf& sa
     TESSERA_TRY(read("COLOR_0", part.colours, 3, 1.0f));
     TESSERA_TRY(read_indices(file, primitive, part).with_context(part.name));
     return part;
-}
-
-Result<TextureUse> texture_use(const tinygltf::Model& file, int texture, int uv,
-                               const std::string& who) {
-    TextureUse use;
-    if (texture < 0)
-        return use;
-    if (!has(file.textures, texture))
-        return invalid_gltf(who + " has texture " + std::to_string(texture) + " of " +
-                            std::to_string(file.textures.size()));
-    const tinygltf::Texture& t = at(file.textures, texture);
-    if (!has(file.images, t.source))
-        return invalid_gltf("texture " + std::to_string(texture) + " has no image");
-    if (uv < 0 || uv > 1)
-        return Status(ErrorCode::unsupported, who + " uses TEXCOORD_" + std::to_string(uv));
-    use.image = t.source;
-    use.uv = static_cast<unsigned>(uv);
-    if (has(file.samplers, t.sampler)) {
-        const auto wrap_of = [](int mode) {
-            return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Wrap::clamp
-                   : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::mirror
-                                                                   : Wrap::repeat;
-        };
-        use.wrap_u = wrap_of(at(file.samplers, t.sampler).wrapS);
-        use.wrap_v = wrap_of(at(file.samplers, t.sampler).wrapT);
-    }
-    return use;
-}
-
-Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t number) {
-    const tinygltf::Material& from = file.materials[number];
-    const std::string who = "material " + std::to_string(number);
-    ModelMaterial m;
-    const auto& pbr = from.pbrMetallicRoughness;
-    if (pbr.baseColorFactor.size() == 4)
-        m.base = glm::make_vec4(pbr.baseColorFactor.data());
-    m.base = glm::clamp(m.base, 0.0, 1.0);
-    m.metal = std::clamp(pbr.metallicFactor, 0.0, 1.0);
-    m.roughness = std::clamp(pbr.roughnessFactor, 0.0, 1.0);
-    if (from.emissiveFactor.size() == 3)
-        m.emission = glm::clamp(glm::dvec3(glm::make_vec3(from.emissiveFactor.data())), 0.0, 1e4);
-    if (const auto it = from.extensions.find("KHR_materials_emissive_strength");
-        it != from.extensions.end() && it->second.IsObject() &&
-        it->second.Has("emissiveStrength") && it->second.Get("emissiveStrength").IsNumber())
-        m.emission *= std::clamp(it->second.Get("emissiveStrength").GetNumberAsDouble(), 0.0, 1e4);
-    m.normal_scale = std::clamp(from.normalTexture.scale, -10.0, 10.0);
-    m.cutoff = from.alphaMode == "MASK" ? std::clamp(from.alphaCutoff, 0.0, 1.0) : 0.0;
-    m.double_sided = from.doubleSided;
-    const auto use = [&](const auto& texture) {
-        return texture_use(file, texture.index, texture.texCoord, who);
-    };
-    TESSERA_TRY_ASSIGN(m.base_texture, use(pbr.baseColorTexture));
-    TESSERA_TRY_ASSIGN(m.metal_roughness_texture, use(pbr.metallicRoughnessTexture));
-    TESSERA_TRY_ASSIGN(m.normal_texture, use(from.normalTexture));
-    TESSERA_TRY_ASSIGN(m.emission_texture, use(from.emissiveTexture));
-    return m;
 }
 
 glm::dmat4 transform_of(const tinygltf::Node& node) {
@@ -255,6 +98,7 @@ public:
             return invalid_gltf("scene " + std::to_string(scene) + " does not exist");
         for (const int node : at(file_.scenes, scene).nodes)
             TESSERA_TRY(add_node(node, glm::dmat4(1.0), 0));
+        note_skipped();
         return {};
     }
 
@@ -274,28 +118,84 @@ private:
             if (!has(file_.meshes, node.mesh))
                 return invalid_gltf(who + " has mesh " + std::to_string(node.mesh) + " of " +
                                     std::to_string(file_.meshes.size()));
-            TESSERA_TRY(add_mesh(static_cast<std::size_t>(node.mesh), place).with_context(who));
+            TESSERA_TRY(add_instances(node, place).with_context(who));
         }
         for (const int child : node.children)
             TESSERA_TRY(add_node(child, place, depth + 1));
         return {};
     }
 
+    // The mesh of a node, once for each of its instances (EXT_mesh_gpu_instancing).
+    Status add_instances(const tinygltf::Node& node, const glm::dmat4& place) {
+        const auto mesh = static_cast<std::size_t>(node.mesh);
+        const auto it = node.extensions.find("EXT_mesh_gpu_instancing");
+        if (it == node.extensions.end())
+            return add_mesh(mesh, place);
+        std::map<std::string, int> attributes;
+        if (it->second.Has("attributes") && it->second.Get("attributes").IsObject())
+            for (const std::string& name : it->second.Get("attributes").Keys())
+                if (const tinygltf::Value& index = it->second.Get("attributes").Get(name);
+                    index.IsNumber())
+                    attributes[name] = index.GetNumberAsInt();
+        std::vector<glm::vec3> translations, scales;
+        std::vector<glm::vec4> rotations;
+        TESSERA_TRY(read_attribute(file_, attributes, "TRANSLATION", translations, 3, 0.0f));
+        TESSERA_TRY(read_attribute(file_, attributes, "ROTATION", rotations, 4, 0.0f));
+        TESSERA_TRY(read_attribute(file_, attributes, "SCALE", scales, 3, 1.0f));
+        const std::size_t count = std::max({translations.size(), rotations.size(), scales.size()});
+        for (const std::size_t size : {translations.size(), rotations.size(), scales.size()})
+            if (size != 0 && size != count)
+                return invalid_gltf("EXT_mesh_gpu_instancing has attributes of different lengths");
+        for (std::size_t i = 0; i < count; ++i) {
+            if (++nodes_ > most_nodes)
+                return invalid_gltf("more than " + std::to_string(most_nodes) + " instances");
+            tinygltf::Node one;
+            const auto take = [i](const auto& from, std::vector<double>& to) {
+                if (!from.empty())
+                    to.assign(glm::value_ptr(from[i]), glm::value_ptr(from[i]) + from[i].length());
+            };
+            take(translations, one.translation);
+            take(rotations, one.rotation);
+            take(scales, one.scale);
+            TESSERA_TRY(add_mesh(mesh, place * transform_of(one)));
+        }
+        return {};
+    }
+
     Status add_mesh(std::size_t mesh, const glm::dmat4& place) {
+        if (glm::determinant(glm::dmat3(place)) == 0.0) { // exporters hide nodes by a scale of 0
+            ++hidden_;
+            return {};
+        }
         for (std::size_t i = 0; i < file_.meshes[mesh].primitives.size(); ++i) {
             const int mode = file_.meshes[mesh].primitives[i].mode;
-            if (mode >= 0 && mode < TINYGLTF_MODE_TRIANGLES)
-                continue; // points and lines have no surface
+            if (mode >= 0 && mode < TINYGLTF_MODE_TRIANGLES) { // no surface
+                ++skipped_;
+                continue;
+            }
             TESSERA_TRY_ASSIGN(const ModelPart part, read_primitive(file_, safe_, mesh, i));
             TESSERA_TRY(builder_.add(part, place));
         }
         return {};
     }
 
+    void note_skipped() {
+        std::vector<std::string>& notes = builder_.model().notes;
+        if (hidden_ > 0)
+            notes.push_back("skipped " + std::to_string(hidden_) +
+                            (hidden_ == 1 ? " mesh" : " meshes") + " with a scale of 0");
+        if (skipped_ > 0)
+            notes.push_back("skipped " + std::to_string(skipped_) +
+                            (skipped_ == 1 ? " primitive" : " primitives") +
+                            " of points or lines, which have no surface");
+    }
+
     const tinygltf::Model& file_;
     const SafeGltf& safe_;
     ModelBuilder& builder_;
     std::size_t nodes_ = 0;
+    std::size_t hidden_ = 0;  // meshes of scale 0
+    std::size_t skipped_ = 0; // primitives of points or lines
 };
 
 // tinygltf calls it for every picture. It keeps the encoded bytes.
@@ -347,21 +247,29 @@ Status load(const std::string& path, const SafeGltf& safe, tinygltf::Model& file
     return invalid_gltf("cannot be read: " + (text.empty() ? "tinygltf states no reason" : text));
 }
 
+// Says what the file has and Tessera does not model, one line per feature.
+void note_ignored(const tinygltf::Model& file, const SafeGltf& safe,
+                  std::vector<std::string>& notes) {
+    const auto note = [&](std::size_t count, const std::string& one, const std::string& many,
+                          const std::string& what) {
+        if (count > 0)
+            notes.push_back(std::to_string(count) + " " + (count == 1 ? one : many) + " " + what);
+    };
+    for (const auto& [name, uses] : safe.ignored)
+        notes.push_back("the extension " + name + " (" + std::to_string(uses) +
+                        (uses == 1 ? " use" : " uses") + ") is not supported and is ignored");
+    note(file.animations.size(), "animation", "animations", "not played");
+    note(file.skins.size(), "skin", "skins", "not applied; meshes are in bind pose");
+    std::size_t morphed = 0;
+    for (const tinygltf::Mesh& mesh : file.meshes)
+        for (const tinygltf::Primitive& primitive : mesh.primitives)
+            morphed += !primitive.targets.empty();
+    note(morphed, "primitive has", "primitives have", "morph targets, which are not applied");
+}
+
 Status convert(const tinygltf::Model& file, const SafeGltf& safe, ModelBuilder& builder) {
-    builder.model().materials.emplace_back(); // glTF's default
-    for (std::size_t i = 0; i < file.materials.size(); ++i) {
-        TESSERA_TRY_ASSIGN(ModelMaterial material, read_material(file, i));
-        builder.model().materials.push_back(material);
-    }
-    for (std::size_t i = 0; i < file.images.size(); ++i) {
-        const tinygltf::Image& image = file.images[i];
-        const std::string who = "image " + std::to_string(i) +
-                                (image.uri.empty() ? std::string() : " (" + image.uri + ")");
-        if (image.image.empty())
-            return {ErrorCode::io, who + " is missing"};
-        TESSERA_TRY_ASSIGN(Image decoded, decode_image(image.image).with_context(who));
-        builder.model().images.push_back(std::move(decoded));
-    }
+    TESSERA_TRY(read_materials(file, builder.model()));
+    note_ignored(file, safe, builder.model().notes);
     return GltfScene(file, safe, builder).add();
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <glm/mat2x2.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -27,6 +28,9 @@ enum class Wrap : std::uint8_t { repeat, clamp, mirror };
 struct TextureUse {
     int image = -1;  // index into Model::images; -1: none
     unsigned uv = 0; // index into ModelVertex::uv
+    // The place in the image is turn * uv + offset.
+    glm::dmat2 turn{1.0};
+    glm::dvec2 offset{0.0};
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
 };
 
@@ -57,8 +61,8 @@ struct Model {
     std::vector<ModelVertex> vertices;
     std::vector<ModelTriangle> triangles;
     std::vector<ModelMaterial> materials; // at least one
-    std::vector<Image> images;
-    std::vector<std::string> notes; // what is missing and how it was replaced, for people
+    std::vector<Image> images;            // without texels where no material uses it
+    std::vector<std::string> notes;       // what is missing or ignored, for people
 };
 
 // The normal of a triangle. Its length is twice the area.
@@ -69,13 +73,15 @@ inline glm::dvec3 area_vector(const Model& model, const ModelTriangle& triangle)
                       glm::dvec3(model.vertices[c].position) - p);
 }
 
-// Reads a model. The suffix states its kind: .gltf and .glb (glTF 2.0, also with
-// KHR_draco_mesh_compression), .obj or .ply. The model is moved and scaled to fill the paper's
-// sphere, radius 3.5 around the origin. Ignored: animation, skins, morph targets, blending, and
-// extensions of materials except KHR_materials_emissive_strength.
+// Reads a model. The suffix states its kind: .gltf and .glb (glTF 2.0), .obj or .ply. The model is
+// moved and scaled to fill the paper's sphere, radius 3.5 around the origin. Extensions of glTF
+// that are read: KHR_draco_mesh_compression, KHR_mesh_quantization, KHR_texture_transform,
+// KHR_materials_emissive_strength, EXT_mesh_gpu_instancing, EXT_texture_webp. Model::notes names
+// what is ignored: other extensions, animation, skins, morph targets, blending, pictures that
+// cannot be read.
 //
 // Errors name the file and the element: bad_argument (another suffix); io; invalid_file;
-// unsupported (a required extension, sparse accessors, a point cloud, sizes beyond the limits);
+// unsupported (a required extension, a point cloud, sizes beyond the limits);
 // runtime (out of memory).
 Result<Model> load_model(const std::string& path);
 

@@ -21,13 +21,17 @@ template <class Vector> bool is_sound(const Vector& x) {
 }
 
 template <class Vector>
-Status check_values(const ModelPart& part, const char* what, const std::vector<Vector>& values) {
-    if (values.empty())
+Status check_count(const ModelPart& part, const char* what, const std::vector<Vector>& values) {
+    if (values.empty() || values.size() == part.positions.size())
         return {};
-    if (values.size() != part.positions.size())
-        return {ErrorCode::invalid_file,
-                part.name + " has " + std::to_string(part.positions.size()) + " positions, but " +
-                    std::to_string(values.size()) + " values of " + what};
+    return {ErrorCode::invalid_file, part.name + " has " + std::to_string(part.positions.size()) +
+                                         " positions, but " + std::to_string(values.size()) +
+                                         " values of " + what};
+}
+
+template <class Vector>
+Status check_values(const ModelPart& part, const char* what, const std::vector<Vector>& values) {
+    TESSERA_TRY(check_count(part, what, values));
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!is_sound(values[i]))
             return {ErrorCode::invalid_file, part.name + ": " + what + " " + std::to_string(i) +
@@ -39,7 +43,7 @@ Status check(const ModelPart& part) {
     TESSERA_TRY(check_values(part, "position", part.positions));
     TESSERA_TRY(check_values(part, "normal", part.normals));
     TESSERA_TRY(check_values(part, "tangent", part.tangents));
-    TESSERA_TRY(check_values(part, "colour", part.colours));
+    TESSERA_TRY(check_count(part, "colour", part.colours)); // unsound ones become white
     for (const auto& uv : part.uv)
         TESSERA_TRY(check_values(part, "uv", uv));
     if (part.indices.size() % 3 != 0)
@@ -80,7 +84,7 @@ ModelVertex placed_vertex(const ModelPart& part, std::uint32_t i, const Placemen
     for (std::size_t s = 0; s < 2; ++s)
         if (!part.uv[s].empty())
             v.uv[s] = part.uv[s][i];
-    if (!part.colours.empty())
+    if (!part.colours.empty() && is_sound(part.colours[i]))
         v.colour = part.colours[i];
     return v;
 }
@@ -100,6 +104,11 @@ Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
     if (model_.triangles.size() + part.indices.size() / 3 > most_triangles)
         return {ErrorCode::unsupported,
                 part.name + ": more than " + std::to_string(most_triangles) + " triangles in all"};
+    if (const auto unsound =
+            std::ranges::count_if(part.colours, [](const auto& c) { return !is_sound(c); }))
+        model_.notes.push_back(part.name + ": " + std::to_string(unsound) + " of " +
+                               std::to_string(part.colours.size()) +
+                               " colours are not numbers, or too large; they become white");
     const Placement placement{to_world};
     if (!(std::abs(placement.determinant) > 1e-30) || !(std::abs(placement.determinant) < 1e30))
         return {ErrorCode::invalid_file,

@@ -19,6 +19,7 @@ namespace {
 // OpenEXR buffers up to 256 lines or a row of tiles for every thread. A picture that would need
 // more than this for one of them is damaged or hostile.
 constexpr std::uint64_t most_buffer_bytes = 1ull << 28;
+constexpr std::int64_t most_display_side = 1 << 20; // of the display window, as of textures
 
 // Whether a picture is stored as luminance and chroma, and if so, the resolution of chroma.
 enum class Chroma { none, full, reduced };
@@ -62,10 +63,16 @@ Result<std::vector<std::string>> choose_channels(const Imf::ChannelList& channel
     return names;
 }
 
+// In pixels.
+Imath::Vec2<std::int64_t> sides_of(const Imath::Box2i& window) {
+    return {std::int64_t{window.max.x} - window.min.x + 1,
+            std::int64_t{window.max.y} - window.min.y + 1};
+}
+
 Status check_header(const Imf::Header& header) {
     if (header.hasType() && !Imf::isImage(header.type()))
         return {ErrorCode::unsupported, "a deep picture"};
-    const auto& window = header.dataWindow();
+    const auto &window = header.dataWindow(), &display = header.displayWindow();
     std::uint64_t texel = 0; // bytes
     for (auto i = header.channels().begin(); i != header.channels().end(); ++i)
         texel += 4;
@@ -74,6 +81,11 @@ Status check_header(const Imf::Header& header) {
     if (texel * width > most_buffer_bytes / std::max<std::uint64_t>(lines, 1))
         return {ErrorCode::unsupported,
                 "lines of " + std::to_string(width) + " pixels are too long"};
+    if (!display.intersects(window))
+        return {ErrorCode::invalid_file, "the data window lies outside the display window"};
+    if (sides_of(display).x > most_display_side || sides_of(display).y > most_display_side)
+        return {ErrorCode::unsupported, "the display window has a side of more than " +
+                                            std::to_string(most_display_side) + " pixels"};
     return {};
 }
 
@@ -111,12 +123,12 @@ Status ExrReader::open() {
         TESSERA_TRY(check_header(header));
         TESSERA_TRY_ASSIGN(names_, choose_channels(header.channels()));
         window_ = header.dataWindow();
-        shape_ = {
-            .kind = PictureKind::exr,
-            .width = static_cast<std::uint32_t>(std::int64_t{window_.max.x} - window_.min.x + 1),
-            .height = static_cast<std::uint32_t>(std::int64_t{window_.max.y} - window_.min.y + 1),
-            .channels = static_cast<std::uint8_t>(names_.size()),
-            .bits = 16};
+        display_ = header.displayWindow();
+        shape_ = {.kind = PictureKind::exr,
+                  .width = static_cast<std::uint32_t>(sides_of(display_).x),
+                  .height = static_cast<std::uint32_t>(sides_of(display_).y),
+                  .channels = static_cast<std::uint8_t>(names_.size()),
+                  .bits = 16};
         if (chroma_of(header.channels()) == Chroma::reduced)
             converted_.emplace(converted_stream_, static_cast<int>(threads_));
         else
@@ -134,7 +146,8 @@ std::string ExrReader::attribute(const std::string& name) const {
 
 template <class Sample>
 void ExrReader::read_chunk(int first, int last, std::vector<Sample>& samples) {
-    const std::size_t width = shape_.width, channels = names_.size();
+    const auto width = static_cast<std::size_t>(sides_of(window_).x);
+    const std::size_t channels = names_.size();
     if (converted_) {
         std::vector<Imf::Rgba> pixels(width * static_cast<std::size_t>(last - first + 1));
         const auto pitch = static_cast<std::ptrdiff_t>(width);
@@ -147,11 +160,11 @@ void ExrReader::read_chunk(int first, int last, std::vector<Sample>& samples) {
     }
     Imf::FrameBuffer frame;
     for (std::size_t c = 0; c < channels; ++c)
-        frame.insert(names_[c],
-                     Imf::Slice::Make(sizeof(Sample) == 2 ? Imf::HALF : Imf::FLOAT,
-                                      samples.data() + c, Imath::V2i(window_.min.x, first),
-                                      shape_.width, last - first + 1, channels * sizeof(Sample),
-                                      width * channels * sizeof(Sample)));
+        frame.insert(names_[c], Imf::Slice::Make(
+                                    sizeof(Sample) == 2 ? Imf::HALF : Imf::FLOAT,
+                                    samples.data() + c, Imath::V2i(window_.min.x, first),
+                                    static_cast<int>(width), last - first + 1,
+                                    channels * sizeof(Sample), width * channels * sizeof(Sample)));
     part_->setFrameBuffer(frame);
     part_->readPixels(first, last);
     if (names_[0] == "RY")
@@ -161,22 +174,39 @@ void ExrReader::read_chunk(int first, int last, std::vector<Sample>& samples) {
 
 template <class Sample, class Row>
 Status ExrReader::read_as(std::uint32_t first, std::uint32_t last, const Row& row) {
-    const std::size_t line = std::size_t{shape_.width} * names_.size();
+    const std::size_t channels = names_.size();
+    const std::size_t line = static_cast<std::size_t>(sides_of(window_).x) * channels;
+    std::vector<Sample> shown(shape_.width * channels); // a line of the display window
+    const int left = std::max(window_.min.x, display_.min.x);
+    const int right = std::min(window_.max.x, display_.max.x);
+    const auto from = static_cast<std::size_t>(left - window_.min.x) * channels;
+    const auto to = static_cast<std::size_t>(left - display_.min.x) * channels;
+    const std::size_t count = (static_cast<std::size_t>(right - left) + 1) * channels;
     // Whole lines of at most so many bytes at once; threads need several of OpenEXR's chunks.
     const std::uint64_t most_bytes = threads_ == 0 ? max_chunk_bytes / 4 : max_chunk_bytes;
-    const auto step = static_cast<std::uint32_t>(
-        std::clamp<std::uint64_t>(most_bytes / (line * sizeof(Sample)), 1, shape_.height));
-    std::vector<Sample> samples;
-    for (std::uint32_t y = first; y < last; y += step) {
-        const std::uint32_t rows = std::min(step, last - y);
-        samples.resize(rows * line);
-        TESSERA_TRY(guard_exr([&] {
-            const int top = window_.min.y + static_cast<int>(y);
-            read_chunk(top, top + static_cast<int>(rows) - 1, samples);
-            return Status();
-        }));
-        for (std::uint32_t i = 0; i < rows; ++i)
-            row(y + i, std::span(samples).subspan(i * line, line));
+    const auto step = static_cast<std::int64_t>(
+        std::clamp<std::uint64_t>(most_bytes / (line * sizeof(Sample)), 1, 1u << 20));
+    const auto line_of = [&](std::uint32_t y) { return std::int64_t{display_.min.y} + y; };
+    std::vector<Sample> samples; // of the lines from `begin` to before `end`
+    std::int64_t begin = 0, end = 0;
+    for (std::uint32_t y = first; y < last; ++y) {
+        const std::int64_t at = line_of(y);
+        if (at < window_.min.y || at > window_.max.y) {
+            row(y, std::vector<Sample>(shown.size()));
+            continue;
+        }
+        if (at < begin || at >= end) {
+            begin = at;
+            end = std::min({at + step, std::int64_t{window_.max.y} + 1, line_of(last)});
+            samples.resize(static_cast<std::size_t>(end - begin) * line);
+            TESSERA_TRY(guard_exr([&] {
+                read_chunk(static_cast<int>(begin), static_cast<int>(end - 1), samples);
+                return Status();
+            }));
+        }
+        std::copy_n(samples.data() + static_cast<std::size_t>(at - begin) * line + from, count,
+                    shown.data() + to);
+        row(y, std::span<const Sample>(shown));
     }
     return {};
 }

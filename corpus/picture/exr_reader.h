@@ -31,6 +31,7 @@ private:
     // bits.
     template <class Sample, class Row>
     Status read_as(std::uint32_t first, std::uint32_t last, const Row& row);
+    // Lines of the data window, numbered as in the file.
     template <class Sample> void read_chunk(int first, int last, std::vector<Sample>& samples);
 
     unsigned threads_;
@@ -40,7 +41,8 @@ private:
     std::optional<Imf::RgbaInputFile> converted_; // from luminance and chroma of lower resolution
     Imath::V3f luma_weights_;                     // of red, green and blue
     std::vector<std::string> names_;              // of channels, in our order
-    Imath::Box2i window_;
+    Imath::Box2i window_;  // the pixels that the file has, in the coordinates of display_
+    Imath::Box2i display_; // the picture; 0 where window_ has no pixels
 };
 
 } // namespace tessera::corpus

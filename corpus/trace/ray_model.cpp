@@ -32,7 +32,8 @@ glm::dvec4 texture_value(const Model& model, const TextureUse& use,
         return glm::dvec4(1.0);
     static const std::array<double, 256> linear = make_linear();
     const Image& image = model.images[static_cast<std::size_t>(use.image)];
-    const double x = uv[use.uv].x * image.width - 0.5, y = uv[use.uv].y * image.height - 0.5;
+    const glm::dvec2 place = use.turn * uv[use.uv] + use.offset;
+    const double x = place.x * image.width - 0.5, y = place.y * image.height - 0.5;
     const double x0 = std::floor(x), y0 = std::floor(y);
     glm::dvec4 sum(0.0);
     for (int j = 0; j < 2; ++j)
@@ -90,7 +91,7 @@ glm::dvec3 bent_normal(const Model& model, const ModelMaterial& m, const Interpo
     if (at.tangent.w == 0.0) {
         const auto& [a, b, c] = model.triangles[place.triangle].vertices;
         const auto uv = [&](std::uint32_t v) {
-            return glm::dvec2(model.vertices[v].uv[m.normal_texture.uv]);
+            return m.normal_texture.turn * glm::dvec2(model.vertices[v].uv[m.normal_texture.uv]);
         };
         const auto p = [&](std::uint32_t v) { return glm::dvec3(model.vertices[v].position); };
         const glm::dvec2 q = uv(b) - uv(a), r = uv(c) - uv(a);

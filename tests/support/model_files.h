@@ -12,6 +12,13 @@
 
 namespace tessera::corpus::support {
 
+// A PNG of one texel.
+inline const std::string one_texel_png(
+    "\211PNG\015\012\032\012\000\000\000\015IHDR\000\000\000\001\000\000\000\001\010\002"
+    "\000\000\000\220wS\336\000\000\000\014IDATx\332c\370\337\300\000\000\004\001\001\200\373"
+    "\327\313\361\000\000\000\000IEND\256B`\202",
+    69);
+
 inline std::string write_text(const std::string& path, const std::string& text) {
     std::ofstream(path, std::ios::binary) << text;
     return path;
@@ -32,12 +39,16 @@ template <class Number> std::string base64_of(const std::vector<Number>& numbers
     return text;
 }
 
-// Text of a glTF file with one mesh: positions (three numbers each) and indices. `more` is appended
-// to the root object after a comma, `primitive` to the primitive; `nodes` is the list of nodes.
+// Text of a glTF file with one mesh: positions (three numbers each) and indices, in buffers, views
+// and accessors 0 and 1. The other members are appended: `more` to the root object, `primitive` to
+// the primitive, `attributes` to its attributes, `position` to the accessor of positions, `buffers`,
+// `views` and `accessors` to these lists, each after a comma. `nodes` is the list of nodes.
 struct GltfText {
     std::vector<float> positions{0, 0, 0, 1, 0, 0, 0, 1, 0};
     std::vector<std::uint32_t> indices{0, 1, 2};
-    std::string primitive, nodes = R"({"mesh":0})", more;
+    std::string primitive, nodes = R"({"mesh":0})", more, attributes, position, buffers, views,
+                           accessors;
+    std::string position_view = R"("bufferView":0,)"; // empty: positions have no bytes
 
     std::string text() const {
         const std::string p = std::to_string(positions.size() * 4),
@@ -47,15 +58,15 @@ struct GltfText {
         };
         return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" +
                nodes + R"(],"buffers":[{"byteLength":)" + p + "," + uri(base64_of(positions)) +
-               R"(},{"byteLength":)" + i + "," + uri(base64_of(indices)) +
-               R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + p +
-               R"(},{"buffer":1,"byteLength":)" + i +
-               R"(}],"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":)" +
-               std::to_string(positions.size() / 3) +
+               R"(},{"byteLength":)" + i + "," + uri(base64_of(indices)) + "}" + buffers +
+               R"(],"bufferViews":[{"buffer":0,"byteLength":)" + p +
+               R"(},{"buffer":1,"byteLength":)" + i + "}" + views + R"(],"accessors":[{)" +
+               position_view + R"("componentType":5126,"type":"VEC3","count":)" +
+               std::to_string(positions.size() / 3) + position +
                R"(},{"bufferView":1,"componentType":5125,"type":"SCALAR","count":)" +
-               std::to_string(indices.size()) +
-               R"(}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1)" +
-               primitive + "}]}]" + more + "}";
+               std::to_string(indices.size()) + "}" + accessors +
+               R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0)" + attributes +
+               R"(},"indices":1)" + primitive + "}]}]" + more + "}";
     }
 };
 

@@ -44,10 +44,27 @@ TEST(ViewPattern, ReadsAndWritesNames) {
     EXPECT_EQ(ViewPattern::parse("v{n}.jpg")->match("v-4.jpg")->n, -4);
 }
 
+TEST(ViewPattern, NumbersMayBeginAnywhere) {
+    const auto one = ViewPattern::parse("cam{n:3+1}.png");
+    ASSERT_TRUE(one.ok()) << one.status().message();
+    EXPECT_EQ(one->match("cam001.png")->n, 0);
+    EXPECT_EQ(one->name_of({.n = 8}), "cam009.png");
+    auto both = ViewPattern::parse("{t}_{s-3}*.exr");
+    ASSERT_TRUE(both.ok());
+    EXPECT_EQ(both->match("4_-3x.exr")->s, 0);
+    both->begin_at({.s = 1, .t = 4});
+    EXPECT_EQ(both->text(), "{t+4}_{s-2}*.exr");
+    EXPECT_EQ(both->match("4_-2x.exr")->t, 0);
+    EXPECT_EQ(both->name_of({.s = 0, .t = 0}), "4_-2.exr");
+    both->begin_at({.s = 2, .t = -4});
+    EXPECT_EQ(both->text(), "{t}_{s}*.exr");
+}
+
 TEST(ViewPattern, RefusesInvalidPatterns) {
     for (const char* text :
          {"", "view.png", "{n}", "{n}{s}.png", "{n}_{n}.png", "{n.png", "{x}.png", "{n:0}.png",
-          "{n:12}.png", "a/{n}.png", ".{n}.png", "****{n}*.png", "{n}.bmp", "{n}\n.png"}) {
+          "{n:12}.png", "{n+}.png", "{n:3*1}.png", "{n+1234567890}.png", "{n1}.png", "a/{n}.png",
+          ".{n}.png", "****{n}*.png", "{n}.bmp", "{n}\n.png"}) {
         const auto pattern = ViewPattern::parse(text);
         ASSERT_FALSE(pattern.ok()) << text;
         EXPECT_EQ(pattern.status().code(), ErrorCode::bad_argument);

@@ -3,6 +3,7 @@
 #include "tools/texture_io/picture_format.h"
 #include "tools/texture_io/picture_layout.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/texture_io/views_io.h"
 
 #include <bit>
 #include <cstring>
@@ -198,6 +199,27 @@ TEST(PictureLayout, KnowsTheRowsOfAQuiltThatABoxNeeds) {
             const auto [first, last] = layout.rows_of(Box4::whole(size));
             EXPECT_EQ(last - first, 12u);
         }
+}
+
+// What is read from such names is written with the same names.
+TEST_F(ViewsIo, KeepsNamesThatBeginAtOne) {
+    for (unsigned n = 1; n <= 4; ++n)
+        put("v/b\303\274hne_000" + std::to_string(n) + ".png", n);
+    ViewsFacts facts;
+    ASSERT_TRUE(open_views(at("v"), {}, facts).ok());
+    EXPECT_EQ(facts.layout.pattern, "b\303\274hne_{n:4+1}.png");
+    const auto found = texels();
+    ASSERT_TRUE(error_.ok()) << error_.message();
+    const auto sink = create_views(at("w"), desc_, {}, facts.layout, 1);
+    ASSERT_TRUE(sink.ok()) << sink.status().message();
+    const Box4 whole = Box4::whole(desc_.size);
+    ASSERT_TRUE((*sink)->begin_slab(whole).ok());
+    ASSERT_TRUE((*sink)->write(whole, found).ok());
+    ASSERT_TRUE((*sink)->end_slab().ok());
+    ASSERT_TRUE((*sink)->finish().ok());
+    for (unsigned n = 1; n <= 4; ++n)
+        EXPECT_TRUE(fs::exists(at("w/b\303\274hne_000" + std::to_string(n) + ".png"))) << n;
+    EXPECT_EQ(texels({}, "w"), found);
 }
 
 TEST_F(ViewsIo, RefusesWhatIsNoPicture) {

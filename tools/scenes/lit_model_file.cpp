@@ -101,7 +101,11 @@ Result<ModelArguments> arguments_in(const Metadata& metadata) {
         const auto said = metadata.find(key);
         return said == metadata.end() ? std::string() : said->second;
     };
-    ModelArguments a{text("Environment"), text("Sun"), {}, {}, {}};
+    ModelArguments a{.environment = text("Environment"),
+                     .light = text("Sun"),
+                     .exposure = {},
+                     .roughness = {},
+                     .metal = {}};
     if (a.environment == studio)
         a.environment.clear();
     for (const auto& [key, value] :

@@ -118,7 +118,9 @@ void add_layout_options(CLI::App& app, EncodeArguments& a) {
         "Largest tile: u, v up to 256, s, t up to 32, at most 393216 texels, or 65536 with "
         "--max-error. Default: the encoder tries several");
     group.flag("--no-verify", a.no_verify, "Do not decode each tile again for a comparison");
-    group.flag("--strict", a.strict, "Refuse NaN and infinities instead of replacing them");
+    group.flag("--strict", a.strict,
+               "Refuse NaN and infinities instead of replacing them, and models with parts that "
+               "cannot be baked instead of noting these");
 }
 
 void add_description_options(CLI::App& app, EncodeArguments& a) {

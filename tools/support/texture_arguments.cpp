@@ -27,7 +27,7 @@ void add_view_options(CLI::App& app, TextureArguments& a) {
     OptionGroup views(app, views_heading);
     views.option("--views-pattern", "TEXT", a.pattern,
                  "Names in the folder: {t} row, {s} column, {n} running number, {n:3} with three "
-                 "digits, * anything. Example: 'cam_{t:2}_{s:2}_*.png'");
+                 "digits, {n+1} counted from 1, * anything. Example: 'cam_{t:2}_{s:2}_*.png'");
     views.option("--order", "WORDS", a.order,
                  "How views are numbered: rows or columns, serpentine, bottom-up, right-left, "
                  "joined by commas. Default: rows from the top, in quilts from the bottom");

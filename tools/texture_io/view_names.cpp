@@ -337,6 +337,7 @@ Result<NamedViews> arrange_views(const std::vector<std::string>& names, const Vi
                                                   : count_placed(views, known, is_ours));
     found.grid = counted.grid;
     TESSERA_TRY_ASSIGN(found.names, complete_grid(views, counted, found));
+    found.pattern.begin_at(counted.first);
     return found;
 }
 

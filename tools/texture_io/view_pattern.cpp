@@ -84,6 +84,7 @@ private:
             parse_number(digits.substr(0, length), value);
             field(numbers, item.kind) =
                 negative ? -static_cast<std::int64_t>(value) : static_cast<std::int64_t>(value);
+            *field(numbers, item.kind) -= item.first;
             if (match(index + 1, digits.substr(length)))
                 return true;
         }
@@ -106,12 +107,24 @@ Status ViewPattern::add_number(std::string_view inside) {
     Item item;
     const std::string_view letter = inside.substr(0, 1);
     item.kind = letter == "s" ? Item::Kind::s : letter == "t" ? Item::Kind::t : Item::Kind::n;
-    std::uint64_t width = 1;
-    if ((letter != "s" && letter != "t" && letter != "n") ||
-        (inside.size() > 1 && (inside[1] != ':' || !parse_number(inside.substr(2), width) ||
-                               width < 1 || width > most_digits)))
-        return {ErrorCode::bad_argument,
-                "'{" + std::string(inside) + "}' is not {s}, {t} or {n}, or with digits {n:3}"};
+    std::uint64_t width = 1, first = 0;
+    std::string_view rest = inside.substr(std::min<std::size_t>(1, inside.size()));
+    bool is_valid = letter == "s" || letter == "t" || letter == "n";
+    if (rest.starts_with(':')) {
+        const std::size_t end = std::min(rest.find_first_of("+-"), rest.size());
+        is_valid = is_valid && parse_number(rest.substr(1, end - 1), width) && width >= 1 &&
+                   width <= most_digits;
+        rest.remove_prefix(end);
+    }
+    if (!rest.empty()) {
+        is_valid = is_valid && (rest[0] == '+' || rest[0] == '-') &&
+                   rest.size() <= 1 + most_digits && parse_number(rest.substr(1), first);
+        item.first = static_cast<std::int64_t>(first) * (rest[0] == '-' ? -1 : 1);
+    }
+    if (!is_valid)
+        return {ErrorCode::bad_argument, "'{" + std::string(inside) +
+                                             "}' is not {s}, {t} or {n}, or with digits {n:3}, or "
+                                             "with the first number {n+1}"};
     for (const Item& other : items_)
         if (other.kind == item.kind)
             return {ErrorCode::bad_argument, "{" + std::string(letter) + "} occurs twice"};
@@ -174,8 +187,28 @@ std::string ViewPattern::name_of(ViewNumbers numbers) const {
         if (item.kind == Item::Kind::literal)
             name += item.text;
         else if (item.kind != Item::Kind::any)
-            name += digits_of(field(numbers, item.kind).value_or(0), item.width);
+            name += digits_of(item.first + field(numbers, item.kind).value_or(0), item.width);
     return name;
+}
+
+void ViewPattern::begin_at(ViewNumbers first) {
+    text_.clear();
+    for (Item& item : items_) {
+        if (item.kind == Item::Kind::literal) {
+            text_ += item.text;
+            continue;
+        }
+        if (item.kind == Item::Kind::any) {
+            text_ += '*';
+            continue;
+        }
+        item.first += field(first, item.kind).value_or(0);
+        text_ += item.kind == Item::Kind::s ? "{s" : item.kind == Item::Kind::t ? "{t" : "{n";
+        text_ += item.width > 1 ? ":" + std::to_string(item.width) : "";
+        text_ += item.first > 0 ? "+" : "";
+        text_ += item.first != 0 ? std::to_string(item.first) : "";
+        text_ += '}';
+    }
 }
 
 } // namespace tessera

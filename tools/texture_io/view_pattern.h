@@ -19,7 +19,7 @@ struct ViewNumbers {
 // Text with {s} (the column), {t} (the row) or {n} (a running number), which stand for decimal
 // digits. {n:3} is written with at least three digits; it matches any number of digits, but exactly
 // three beside another number as in {t:2}{s:2}. * matches any text and is written as none. Letters
-// match in either case.
+// match in either case. Numbers count from 0; {n+1} and {n:3+1} count from 1, {n-4} from -4.
 class ViewPattern {
 public:
     // Errors: bad_argument (malformed, without a number, an ending of no known kind of picture, or
@@ -31,11 +31,14 @@ public:
     std::optional<ViewNumbers> match(std::string_view name) const;
     // Precondition: `numbers` has those of the pattern.
     std::string name_of(ViewNumbers numbers) const;
+    // From now on, match() gives 0 where it gave `first`. text() states that.
+    void begin_at(ViewNumbers first);
 
     struct Item {
         enum class Kind { literal, any, s, t, n } kind = Kind::literal;
-        std::string text{};    // of a literal
-        std::size_t width = 1; // of a number: digits
+        std::string text{};     // of a literal
+        std::size_t width = 1;  // of a number: digits
+        std::int64_t first = 0; // of a number: what the name has for 0
     };
 
 private:

@@ -36,7 +36,20 @@ struct ModelFigures {
     std::size_t triangles = 0, charts = 0;
     double density = 0; // texels per world unit
     corpus::NoiseEstimate noise;
+    std::vector<std::string> notes; // what the file has that is not baked
 };
+
+// Prints what the model has that is not baked. Error: unsupported, if the command is strict.
+Result<std::vector<std::string>> say_notes(const BakeCommand& a, const corpus::Model& model) {
+    std::vector<std::string> notes;
+    for (const std::string& note : model.notes) {
+        notes.push_back(printable(note));
+        if (a.encode.strict)
+            return Status(ErrorCode::unsupported, a.scene + ": " + notes.back() + " (--strict)");
+        std::fprintf(stderr, "tessera bake: note: %s: %s\n", a.scene.c_str(), notes.back().c_str());
+    }
+    return notes;
+}
 
 void add_facts(const BakeCommand& a, const LitModelFile& file, const ModelFigures& f,
                Baking& baking) {
@@ -46,6 +59,11 @@ void add_facts(const BakeCommand& a, const LitModelFile& file, const ModelFigure
                     {"samples per texel", std::to_string(a.samples)},
                     {"seed", std::to_string(a.seed.value_or(usual_bake_seed))},
                     {"texels per unit", format_number(f.density, 3)}};
+    std::string notes;
+    for (const std::string& note : f.notes)
+        notes += (notes.empty() ? "" : "; ") + note;
+    if (!notes.empty())
+        baking.facts.emplace_back("notes", notes);
     for (auto& fact : facts_of(a.model, file))
         baking.facts.push_back(std::move(fact));
     baking.input_facts = source_facts(a.scene, "model");
@@ -59,7 +77,8 @@ void add_facts(const BakeCommand& a, const LitModelFile& file, const ModelFigure
                    {"charts", f.charts},
                    {"mesh_bytes", baking.mesh.size()},
                    {"exposure", exposure},
-                   {"noise_db", f.noise.decibels}};
+                   {"noise_db", f.noise.decibels},
+                   {"notes", f.notes}};
     baking.remark = std::to_string(f.triangles) + " triangles in " +
                     human_bytes(baking.mesh.size()) + ", " + std::to_string(f.charts) +
                     " charts, " + format_number(f.density, 3) + " texels per unit, " + map +
@@ -103,8 +122,7 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
         const auto wished_map,
         parse_octahedral_map(map.empty() ? "auto" : map).with_context("--angular-map"));
     TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(a.scene, a.model));
-    for (const std::string& note : file.model.notes)
-        std::fprintf(stderr, "tessera bake: note: %s: %s\n", a.scene.c_str(), note.c_str());
+    TESSERA_TRY_ASSIGN(std::vector<std::string> notes, say_notes(a, file.model));
     TESSERA_TRY_ASSIGN(const corpus::Model model,
                        corpus::with_both_sides(std::move(file.model)).with_context(a.scene));
     const Extent4 tile = wish.tile.value_or(usual_tile);
@@ -118,7 +136,9 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
     baking.mesh = atlas.stream;
     ModelFigures figures{.triangles = atlas.mesh.triangles.size(),
                          .charts = atlas.charts.size(),
-                         .density = atlas.density};
+                         .density = atlas.density,
+                         .noise = {},
+                         .notes = std::move(notes)};
     corpus::LitModelOptions paths;
     paths.samples = a.samples;
     paths.diffuse_samples = std::min(65536u, a.samples * diffuse_share);

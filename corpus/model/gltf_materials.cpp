@@ -1,0 +1,170 @@
+#include "corpus/model/gltf_materials.h"
+
+#include <algorithm>
+#include <glm/gtc/type_ptr.hpp>
+
+namespace tessera::corpus {
+namespace {
+
+using Value = tinygltf::Value;
+
+double number_or(const Value& object, const char* key, double otherwise) {
+    return object.Has(key) && object.Get(key).IsNumber() ? object.Get(key).GetNumberAsDouble()
+                                                         : otherwise;
+}
+
+glm::dvec2 pair_or(const Value& object, const char* key, const glm::dvec2& otherwise) {
+    if (!object.Has(key) || !object.Get(key).IsArray() || object.Get(key).ArrayLen() != 2)
+        return otherwise;
+    const Value &x = object.Get(key).Get(0), &y = object.Get(key).Get(1);
+    return x.IsNumber() && y.IsNumber() ? glm::dvec2(x.GetNumberAsDouble(), y.GetNumberAsDouble())
+                                        : otherwise;
+}
+
+// The object of an extension, or null.
+const Value* extension_of(const tinygltf::ExtensionMap& extensions, const char* name) {
+    const auto it = extensions.find(name);
+    return it != extensions.end() && it->second.IsObject() ? &it->second : nullptr;
+}
+
+// The matrix and offset of KHR_texture_transform. Rotation is counter-clockwise as seen in the
+// picture, whose v grows downwards.
+void transform_uv(const Value& extension, TextureUse& use) {
+    const glm::dvec2 scale = pair_or(extension, "scale", {1.0, 1.0});
+    const double angle = number_or(extension, "rotation", 0.0);
+    const double c = std::cos(angle), s = std::sin(angle);
+    use.turn = glm::dmat2(c * scale.x, -s * scale.x, s * scale.y, c * scale.y);
+    use.offset = pair_or(extension, "offset", {0.0, 0.0});
+}
+
+bool is_bounded(const TextureUse& use) {
+    constexpr double most = 1e6; // texture places keep their fractions
+    for (int column = 0; column < 2; ++column)
+        for (int row = 0; row < 2; ++row)
+            if (!(std::abs(use.turn[column][row]) <= most))
+                return false;
+    return std::abs(use.offset.x) <= most && std::abs(use.offset.y) <= most;
+}
+
+// The image of a texture: WebP, which Tessera reads, before the fallback; -1: none.
+int image_of(const tinygltf::Model& file, const tinygltf::Texture& texture) {
+    if (const Value* webp = extension_of(texture.extensions, "EXT_texture_webp"))
+        if (const double source = number_or(*webp, "source", -1.0);
+            source >= 0 && source < static_cast<double>(file.images.size()))
+            return static_cast<int>(source);
+    return has(file.images, texture.source) ? texture.source : -1;
+}
+
+Result<TextureUse> texture_use(const tinygltf::Model& file, int texture, int uv,
+                               const tinygltf::ExtensionMap& extensions, const std::string& who,
+                               std::vector<std::string>& notes) {
+    TextureUse use;
+    if (texture < 0)
+        return use;
+    if (!has(file.textures, texture))
+        return invalid_gltf(who + " has texture " + std::to_string(texture) + " of " +
+                            std::to_string(file.textures.size()));
+    const tinygltf::Texture& t = at(file.textures, texture);
+    use.image = image_of(file, t);
+    if (use.image < 0)
+        notes.push_back("texture " + std::to_string(texture) + " has no image that can be read; " +
+                        who + " is read without it");
+    if (const Value* extension = extension_of(extensions, "KHR_texture_transform")) {
+        transform_uv(*extension, use);
+        if (!is_bounded(use))
+            return invalid_gltf(who + ": KHR_texture_transform is not a number, or too large");
+        uv = static_cast<int>(number_or(*extension, "texCoord", uv));
+    }
+    if (uv < 0 || uv > 1)
+        return Status(ErrorCode::unsupported, who + " uses TEXCOORD_" + std::to_string(uv));
+    use.uv = static_cast<unsigned>(uv);
+    if (has(file.samplers, t.sampler)) {
+        const auto wrap_of = [](int mode) {
+            return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Wrap::clamp
+                   : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::mirror
+                                                                   : Wrap::repeat;
+        };
+        use.wrap_u = wrap_of(at(file.samplers, t.sampler).wrapS);
+        use.wrap_v = wrap_of(at(file.samplers, t.sampler).wrapT);
+    }
+    return use;
+}
+
+Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t number,
+                                    std::vector<std::string>& notes) {
+    const tinygltf::Material& from = file.materials[number];
+    const std::string who = "material " + std::to_string(number);
+    ModelMaterial m;
+    const auto& pbr = from.pbrMetallicRoughness;
+    if (pbr.baseColorFactor.size() == 4)
+        m.base = glm::make_vec4(pbr.baseColorFactor.data());
+    m.base = glm::clamp(m.base, 0.0, 1.0);
+    m.metal = std::clamp(pbr.metallicFactor, 0.0, 1.0);
+    m.roughness = std::clamp(pbr.roughnessFactor, 0.0, 1.0);
+    if (from.emissiveFactor.size() == 3)
+        m.emission = glm::clamp(glm::dvec3(glm::make_vec3(from.emissiveFactor.data())), 0.0, 1e4);
+    if (const Value* strength = extension_of(from.extensions, "KHR_materials_emissive_strength"))
+        m.emission *= std::clamp(number_or(*strength, "emissiveStrength", 1.0), 0.0, 1e4);
+    m.normal_scale = std::clamp(from.normalTexture.scale, -10.0, 10.0);
+    m.cutoff = from.alphaMode == "MASK" ? std::clamp(from.alphaCutoff, 0.0, 1.0) : 0.0;
+    m.double_sided = from.doubleSided;
+    const auto use = [&](const auto& texture) {
+        return texture_use(file, texture.index, texture.texCoord, texture.extensions, who, notes);
+    };
+    TESSERA_TRY_ASSIGN(m.base_texture, use(pbr.baseColorTexture));
+    TESSERA_TRY_ASSIGN(m.metal_roughness_texture, use(pbr.metallicRoughnessTexture));
+    TESSERA_TRY_ASSIGN(m.normal_texture, use(from.normalTexture));
+    TESSERA_TRY_ASSIGN(m.emission_texture, use(from.emissiveTexture));
+    return m;
+}
+
+std::array<TextureUse*, 4> textures_of(ModelMaterial& m) {
+    return {&m.base_texture, &m.metal_roughness_texture, &m.normal_texture, &m.emission_texture};
+}
+
+// Decodes image `number` into the model; if that fails, takes it from all materials.
+void read_image(const tinygltf::Image& image, int number, Model& model) {
+    const std::string who =
+        "image " + std::to_string(number) +
+        (image.uri.empty() ? std::string() : " (" + image.uri.substr(0, longest_shown) + ")");
+    Result<Image> decoded = image.image.empty()
+                                ? Result<Image>(Status(ErrorCode::io, who + " is missing"))
+                                : decode_image(image.image).with_context(who);
+    if (decoded.ok()) {
+        model.images[static_cast<std::size_t>(number)] = std::move(*decoded);
+        return;
+    }
+    model.notes.push_back(decoded.status().message() + "; materials are read without it");
+    for (ModelMaterial& material : model.materials)
+        for (TextureUse* use : textures_of(material))
+            if (use->image == number)
+                use->image = -1;
+}
+
+} // namespace
+
+Status read_materials(const tinygltf::Model& file, Model& model) {
+    model.materials.emplace_back(); // glTF's default
+    std::size_t blending = 0;
+    for (std::size_t i = 0; i < file.materials.size(); ++i) {
+        TESSERA_TRY_ASSIGN(const ModelMaterial material, read_material(file, i, model.notes));
+        model.materials.push_back(material);
+        blending += file.materials[i].alphaMode == "BLEND";
+    }
+    if (blending > 0)
+        model.notes.push_back("alphaMode BLEND (" + std::to_string(blending) +
+                              (blending == 1 ? " material" : " materials") +
+                              ") is not supported; such surfaces are opaque");
+    std::vector<bool> is_used(file.images.size(), false);
+    for (ModelMaterial& material : model.materials)
+        for (const TextureUse* use : textures_of(material))
+            if (use->image >= 0)
+                is_used[static_cast<std::size_t>(use->image)] = true;
+    model.images.resize(file.images.size());
+    for (std::size_t i = 0; i < file.images.size(); ++i)
+        if (is_used[i])
+            read_image(file.images[i], static_cast<int>(i), model);
+    return {};
+}
+
+} // namespace tessera::corpus
