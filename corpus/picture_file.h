@@ -38,6 +38,9 @@ struct PictureShape {
     }
 };
 
+// Whether pictures are turned upright as their EXIF metadata states.
+enum class Exif { ignored, followed };
+
 using PictureRow = std::function<void(std::uint32_t y, std::span<const std::byte> samples)>;
 
 // An open PNG, JPEG or EXR picture. Holds a few rows of it, or all of it where PNG is interlaced or
@@ -62,18 +65,19 @@ protected:
     PictureShape shape_;
 
 private:
-    friend Result<std::unique_ptr<PictureReader>> open_picture_file(ByteSource& file,
-                                                                    unsigned threads);
+    friend Result<std::unique_ptr<PictureReader>> open_picture_file(ByteSource&, unsigned, Exif);
     std::string name_; // of the file; empty: errors have no name
 };
 
 // Reads the header and looks for the end of the file. PNG: palettes and transparent colours are
-// resolved, fewer than 8 bits become 8, gamma is ignored. JPEG: CMYK becomes RGB, EXIF orientation
-// is ignored; damage that other programs show as grey is an error. EXR: scanlines or tiles,
-// R,G,B[,A] or Y[,A] or Y,RY,BY[,A] of any type, one part. `threads`: of OpenEXR, 0 for none of its
-// own. `file` must outlive the reader. Errors name the file: io, invalid_file, unsupported, runtime
+// resolved, fewer than 8 bits become 8, gamma is ignored. JPEG: CMYK becomes RGB; damage that other
+// programs show as grey is an error; `exif` says whether it is turned upright, which holds all of
+// it in memory. EXR: the display window, 0 outside the data window; scanlines or tiles, R,G,B[,A]
+// or Y[,A] or Y,RY,BY[,A] of any type, one part. `threads`: of OpenEXR, 0 for none of its own.
+// `file` must outlive the reader. Errors name the file: io, invalid_file, unsupported, runtime
 // (memory).
-Result<std::unique_ptr<PictureReader>> open_picture_file(ByteSource& file, unsigned threads = 0);
+Result<std::unique_ptr<PictureReader>> open_picture_file(ByteSource& file, unsigned threads = 0,
+                                                         Exif exif = Exif::followed);
 
 // 8-bit RGBA, rows from the top.
 struct Image {
@@ -82,7 +86,7 @@ struct Image {
 };
 
 // Decodes a PNG, JPEG, WebP, BMP, TGA or Radiance HDR picture of at most 2^14 pixels a side and 2^26
-// in all. The light of HDR becomes sRGB.
+// in all. The light of HDR becomes sRGB, and JPEG is turned upright as its EXIF metadata states.
 // Errors, which name no file: invalid_file; unsupported (too large, another kind of picture).
 Result<Image> decode_image(std::span<const unsigned char> bytes);
 

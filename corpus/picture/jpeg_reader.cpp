@@ -1,3 +1,4 @@
+#include "corpus/picture/exif.h"
 #include "corpus/picture/picture_readers.h"
 
 #include <algorithm>
@@ -44,6 +45,7 @@ public:
         codec.src = &source_;
         progress_.progress_monitor = watch_scans;
         codec.progress = &progress_;
+        jpeg_save_markers(&codec, JPEG_APP0 + 1, 0xFFFF); // EXIF
         jpeg_read_header(&codec, TRUE);
         codec.out_color_space = codec.num_components == 1   ? JCS_GRAYSCALE
                                 : codec.num_components == 4 ? JCS_CMYK
@@ -53,6 +55,15 @@ public:
     }
     // Behind what start() read.
     std::uint64_t position() const { return position_ - source_.bytes_in_buffer; }
+    // What the first EXIF segment states.
+    Orientation orientation() const {
+        for (auto* marker = codec.marker_list; marker != nullptr; marker = marker->next)
+            if (const auto found =
+                    exif_orientation(std::as_bytes(std::span(marker->data, marker->data_length)));
+                found != Orientation::top_left)
+                return found;
+        return Orientation::top_left;
+    }
     std::uint64_t blocks() const {
         return (std::uint64_t{codec.image_width} + 7) / 8 * ((codec.image_height + 7ull) / 8);
     }
@@ -138,6 +149,7 @@ public:
     Status open() {
         JpegDecoder decoder(file_);
         TESSERA_TRY(start(decoder));
+        orientation_ = decoder.orientation();
         // Found now instead of after minutes of decoding. An arithmetic code has no least length.
         if (decoder.blocks() / most_blocks_per_byte > file_.size() && !decoder.codec.arith_code)
             return damaged("JPEG: " + std::to_string(file_.size()) +
@@ -146,6 +158,7 @@ public:
                            occurs_behind(file_, decoder.position(), "\xff\xd9"));
         return complete ? Status() : damaged("JPEG: it ends too early");
     }
+    Orientation orientation() const { return orientation_; }
 
 private:
     Status start(JpegDecoder& decoder) {
@@ -200,14 +213,17 @@ private:
     }
 
     ByteSource& file_;
+    Orientation orientation_ = Orientation::top_left;
 };
 
 } // namespace
 
-Result<std::unique_ptr<PictureReader>> open_jpeg(ByteSource& file) {
+Result<std::unique_ptr<PictureReader>> open_jpeg(ByteSource& file, Exif exif) {
     auto reader = std::make_unique<JpegReader>(file);
     TESSERA_TRY(reader->open());
-    return std::unique_ptr<PictureReader>(std::move(reader));
+    const Orientation orientation =
+        exif == Exif::followed ? reader->orientation() : Orientation::top_left;
+    return turned(std::move(reader), orientation);
 }
 
 } // namespace tessera::corpus

@@ -47,12 +47,12 @@ Result<std::unique_ptr<PictureReader>> open_exr(ByteSource& file, unsigned threa
     return std::unique_ptr<PictureReader>(std::move(reader));
 }
 
-Result<std::unique_ptr<PictureReader>> open_by_kind(ByteSource& file, unsigned threads) {
+Result<std::unique_ptr<PictureReader>> open_by_kind(ByteSource& file, unsigned threads, Exif exif) {
     switch (picture_kind_of(file)) {
     case PictureKind::png:
         return open_png(file);
     case PictureKind::jpeg:
-        return open_jpeg(file);
+        return open_jpeg(file, exif);
     case PictureKind::exr:
         return open_exr(file, threads);
     default:
@@ -122,8 +122,9 @@ PictureKind picture_kind_of(ByteSource& file) {
     return read.ok() ? kind_of({begin, length}) : PictureKind::none;
 }
 
-Result<std::unique_ptr<PictureReader>> open_picture_file(ByteSource& file, unsigned threads) {
-    auto reader = open_by_kind(file, threads);
+Result<std::unique_ptr<PictureReader>> open_picture_file(ByteSource& file, unsigned threads,
+                                                         Exif exif) {
+    auto reader = open_by_kind(file, threads, exif);
     if (!reader.ok())
         return named(reader.status(), file.name());
     (*reader)->name_ = file.name();
@@ -138,7 +139,7 @@ Result<Image> decode_image(std::span<const unsigned char> file) {
     case PictureKind::png:
         return read_rgba(open_png(*source));
     case PictureKind::jpeg:
-        return read_rgba(open_jpeg(*source));
+        return read_rgba(open_jpeg(*source, Exif::followed));
     case PictureKind::webp:
         return read_webp(bytes);
     case PictureKind::bmp:

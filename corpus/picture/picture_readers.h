@@ -19,7 +19,7 @@ protected:
 };
 
 Result<std::unique_ptr<PictureReader>> open_png(ByteSource& file);
-Result<std::unique_ptr<PictureReader>> open_jpeg(ByteSource& file);
+Result<std::unique_ptr<PictureReader>> open_jpeg(ByteSource& file, Exif exif);
 Result<Image> read_webp(std::span<const std::byte> file);
 Result<Image> read_bmp(std::span<const std::byte> file);
 Result<Image> read_tga(std::span<const std::byte> file);

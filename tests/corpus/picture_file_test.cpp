@@ -240,6 +240,53 @@ TEST(PictureFile, Jpeg) {
         }
 }
 
+// An EXIF segment behind the start of a JPEG, in one of both byte orders.
+std::string with_orientation(const std::string& jpeg, int value, bool big_endian) {
+    const auto number = [&](unsigned x, int bytes) {
+        std::string text;
+        for (int i = 0; i < bytes; ++i)
+            text += static_cast<char>(x >> 8 * (big_endian ? bytes - 1 - i : i) & 255);
+        return text;
+    };
+    const std::string tiff = (big_endian ? "MM" : "II") + number(42, 2) + number(8, 4) +
+                             number(2, 2) + number(0x010F, 2) + number(2, 2) + number(1, 4) +
+                             number(0, 4) + number(0x0112, 2) + number(3, 2) + number(1, 4) +
+                             number(static_cast<unsigned>(value), 2) + number(0, 2) + number(0, 4);
+    const std::string segment = std::string("Exif\0\0", 6) + tiff;
+    return jpeg.substr(0, 2) + "\xff\xe1" + '\0' + static_cast<char>(segment.size() + 2) + segment +
+           jpeg.substr(2);
+}
+
+TEST(PictureFile, ExifTurnsJpegUpright) {
+    const std::string plain = jpeg(3, false);
+    const Image as_stored = decoded(plain);
+    const auto w = as_stored.width, h = as_stored.height;
+    for (int value = 0; value <= 9; ++value) {
+        const std::string file = with_orientation(plain, value, value % 2 == 0);
+        const Image image = decoded(file);
+        const bool swaps = value >= 5 && value <= 8;
+        ASSERT_EQ(image.width, swaps ? h : w) << value;
+        ASSERT_EQ(image.height, swaps ? w : h) << value;
+        // EXIF says at which edges of the upright picture the stored row 0 and column 0 lie.
+        for (std::uint32_t y = 0; y < h; ++y)
+            for (std::uint32_t x = 0; x < w; ++x) {
+                const bool right = value == 2 || value == 3, bottom = value == 3 || value == 4;
+                std::uint32_t to_x = right ? w - 1 - x : x, to_y = bottom ? h - 1 - y : y;
+                if (swaps) { // row 0 lies left or right, column 0 at the top or the bottom
+                    to_x = value == 5 || value == 8 ? y : h - 1 - y;
+                    to_y = value == 5 || value == 6 ? x : w - 1 - x;
+                }
+                ASSERT_EQ(image.texels[to_y * image.width + to_x], as_stored.texels[y * w + x])
+                    << value;
+            }
+        const auto source = wrap_memory(std::as_bytes(std::span(file)));
+        const auto ignoring = open_picture_file(*source, 0, Exif::ignored);
+        ASSERT_TRUE(ignoring.ok());
+        EXPECT_EQ((*ignoring)->shape().width, w);
+        expect_no_beginning(file);
+    }
+}
+
 TEST(PictureFile, JpegInCmyk) {
     for (const bool adobe : {false, true}) {
         const Image image = decoded(jpeg(4, false, adobe));

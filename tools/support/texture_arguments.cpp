@@ -45,12 +45,14 @@ void add_texture_options(CLI::App& app, TextureArguments& a) {
                  "Columns and rows of cameras, for running numbers and quilts");
     views.option("--mosaic", "SxT", a.mosaic,
                  "The picture holds angular images, as of a lenslet camera");
+    views.flag("--no-exif", a.no_exif, "Do not turn JPEG pictures as their EXIF metadata states");
     add_threads_options(app, a);
 }
 
 Result<ViewHints> make_view_hints(const TextureArguments& a) {
     ViewHints hints;
     hints.pattern = a.pattern;
+    hints.exif = a.no_exif ? corpus::Exif::ignored : corpus::Exif::followed;
     for (const auto& [option, text, grid] :
          {std::tuple("--grid", &a.grid, &hints.grid), std::tuple("--quilt", &a.quilt, &hints.quilt),
           std::tuple("--mosaic", &a.mosaic, &hints.mosaic)})

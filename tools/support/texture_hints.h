@@ -2,6 +2,7 @@
 #pragma once
 
 #include "codec/decoder.h" // DecodeOptions
+#include "corpus/picture_file.h"
 #include "format/texture.h"
 #include "tools/support/view_order.h"
 
@@ -18,6 +19,7 @@ struct ViewHints {
     std::optional<ViewGrid> quilt;  // views in columns x rows of one picture
     std::optional<ViewGrid> mosaic; // angular images of s x t pixels, side by side in one picture
     std::optional<ViewOrder> order; // of the views of a folder or a quilt
+    corpus::Exif exif = corpus::Exif::followed;
 };
 
 struct TextureHints {

@@ -185,7 +185,8 @@ private:
 Result<std::unique_ptr<TexelSource>> open_picture(std::unique_ptr<ByteSource> file,
                                                   const TextureHints& hints, ViewsFacts& facts) {
     const std::string name = file->name();
-    TESSERA_TRY_ASSIGN(auto reader, corpus::open_picture_file(*file, thread_count(hints.threads)));
+    TESSERA_TRY_ASSIGN(auto reader, corpus::open_picture_file(*file, thread_count(hints.threads),
+                                                              hints.views.exif));
     std::optional<ViewGrid> quilt = hints.views.quilt;
     if (!quilt && !hints.views.mosaic && !hints.size)
         quilt = quilt_in_name(name);

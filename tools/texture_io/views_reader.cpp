@@ -42,6 +42,7 @@ public:
         : folder_(std::move(folder)), threads_(threads) {}
 
     Status open(const TextureHints& hints, ViewsFacts& facts) {
+        exif_ = hints.views.exif;
         TESSERA_TRY_ASSIGN(const auto names, list_pictures(folder_));
         TESSERA_TRY_ASSIGN(const auto json, read_views_json(folder_));
         ViewHints views = hints.views;
@@ -102,7 +103,7 @@ private:
 
     Result<PictureShape> shape_of(std::size_t view) const {
         TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
-        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file));
+        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, 0, exif_));
         return reader->shape();
     }
 
@@ -156,7 +157,7 @@ private:
         const std::size_t view = std::size_t{t} * desc_.size[axis_s] + s;
         const std::size_t texel = desc_.texel_bytes();
         TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
-        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file));
+        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, 0, exif_));
         if (reader->shape() != shapes_[view])
             return {ErrorCode::invalid_file, path_of(view) + ": changed while it was read"};
         return reader->read_rows(
@@ -169,6 +170,7 @@ private:
 
     std::string folder_;
     unsigned threads_;
+    corpus::Exif exif_ = corpus::Exif::followed;
     NamedViews views_;
     std::vector<PictureShape> shapes_; // in the order of views_.names
     TextureDesc desc_;
