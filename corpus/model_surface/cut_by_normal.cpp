@@ -14,45 +14,16 @@ namespace {
 constexpr double least_cosine = 0.58, least_cosine_joining = 0.35;
 constexpr double small_share = 0.004; // of the whole area: smaller charts join another one
 
-struct Facets {
-    std::vector<glm::dvec3> normals; // of unit length
-    std::vector<double> areas;
-    std::vector<std::array<std::int64_t, 3>> neighbours; // across each edge; -1: none
-};
-
-Facets facets_of(const Model& model) {
-    Facets f;
-    const auto corners = welded_corners(model);
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<std::uint32_t, std::size_t>> edges;
-    for (std::uint32_t i = 0; i < corners.size(); ++i) {
-        const glm::dvec3 cross = area_vector(model, model.triangles[i]);
-        const double length = glm::length(cross);
-        f.normals.push_back(length > 0.0 ? cross / length : glm::dvec3(0, 1, 0));
-        f.areas.push_back(0.5 * length);
-        f.neighbours.push_back({-1, -1, -1});
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = corners[i][k], b = corners[i][(k + 1) % 3];
-            const auto other = edges.find({b, a});
-            if (other != edges.end()) {
-                f.neighbours[i][k] = other->second.first;
-                f.neighbours[other->second.first][other->second.second] = i;
-                edges.erase(other);
-            } else {
-                edges.emplace(std::pair(a, b), std::pair(i, k));
-            }
-        }
-    }
-    return f;
-}
-
-constexpr std::uint32_t nowhere = UINT32_MAX;
+constexpr std::uint32_t nowhere = UINT32_MAX;   // not yet in a chart
+constexpr std::uint32_t taken = UINT32_MAX - 1; // not to be cut
 
 // Grows charts from the largest free triangle, always to the neighbour with the nearest normal.
 class Growth {
 public:
-    explicit Growth(const Facets& facets) : f_(facets), chart_of_(facets.areas.size(), nowhere) {
-        for (std::uint32_t i = 0; i < f_.areas.size(); ++i)
-            order_.push_back(i);
+    Growth(const Facets& facets, std::vector<std::uint32_t> triangles)
+        : f_(facets), order_(std::move(triangles)), chart_of_(facets.areas.size(), taken) {
+        for (const std::uint32_t i : order_)
+            chart_of_[i] = nowhere;
         std::stable_sort(order_.begin(), order_.end(),
                          [&](auto a, auto b) { return f_.areas[a] > f_.areas[b]; });
     }
@@ -108,7 +79,7 @@ private:
                 for (const std::int64_t n : f_.neighbours[i]) {
                     const std::uint32_t other =
                         n < 0 ? own : chart_of_[static_cast<std::size_t>(n)];
-                    if (other == own || areas_[other] < areas_[own])
+                    if (other == own || other == taken || areas_[other] < areas_[own])
                         continue;
                     const double cosine = glm::dot(glm::normalize(sums_[other]), f_.normals[i]);
                     if (cosine > best) {
@@ -156,7 +127,7 @@ void lay_flat(const Model& model, const Facets& f, std::vector<std::uint32_t> pi
         const glm::dvec3 side = std::abs(axis.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
         const glm::dvec3 x = glm::normalize(glm::cross(side, axis)), y = glm::cross(axis, x);
         FlatChart chart;
-        FlatSheet sheet(2.0 * std::sqrt(area / static_cast<double>(piece.size())) + 1e-12);
+        FlatSheet sheet;
         std::vector<std::uint32_t> left;
         for (const std::uint32_t i : piece) {
             const FlatTriangle t = seen_along(model, i, x, y);
@@ -175,7 +146,6 @@ void lay_flat(const Model& model, const Facets& f, std::vector<std::uint32_t> pi
             chart.places.push_back(seen_along(model, piece[0], u, glm::cross(n, u)));
             left.erase(left.begin());
         }
-        turn_into_rectangle(chart);
         charts.push_back(std::move(chart));
         piece = std::move(left);
     }
@@ -183,11 +153,11 @@ void lay_flat(const Model& model, const Facets& f, std::vector<std::uint32_t> pi
 
 } // namespace
 
-std::vector<FlatChart> cut_by_normal(const Model& model) {
-    const Facets facets = facets_of(model);
-    const std::vector<std::uint32_t> chart_of = Growth(facets).run();
+std::vector<FlatChart> cut_by_normal(const Model& model, const Facets& facets,
+                                     const std::vector<std::uint32_t>& triangles) {
+    const std::vector<std::uint32_t> chart_of = Growth(facets, triangles).run();
     std::map<std::uint32_t, std::vector<std::uint32_t>> pieces;
-    for (std::uint32_t i = 0; i < chart_of.size(); ++i)
+    for (const std::uint32_t i : triangles)
         pieces[chart_of[i]].push_back(i);
     std::vector<FlatChart> charts;
     for (auto& [number, piece] : pieces)

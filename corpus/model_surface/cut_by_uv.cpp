@@ -1,19 +1,19 @@
 #include "corpus/model_surface/flat_overlap.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <map>
 #include <numeric>
-#include <tuple>
 
 namespace tessera::corpus {
 namespace {
 
-// Each island costs a tile.
-constexpr std::size_t most_islands = 400;
-// On all but a tenth of the surface, a texel may be this many times as long as the mean.
+// On all but a tenth of an island, a texel may be this many times as long as the mean.
 constexpr double most_stretch = 3.0;
 constexpr double stretched_share = 0.1;
+// The area in the plane may be this many times that of the surface. Where the stretch varies, an
+// island takes more texels than its surface needs.
+constexpr double most_area = 1.25;
 
 std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t i) {
     while (parents[i] != i)
@@ -47,44 +47,54 @@ Stretch stretch_of(const Model& model, std::uint32_t triangle, const FlatTriangl
     return {glm::dot(x, x), glm::dot(y, y), glm::length(glm::cross(q, r))};
 }
 
-std::vector<FlatChart> islands_of(const Model& model) {
+// Whether the triangle continues into its neighbour across side `k` without a cut in uv.
+bool is_joined(const Model& model, const Facets& f, std::uint32_t triangle, std::size_t k,
+               std::uint32_t neighbour) {
+    const auto uv_of = [&](std::uint32_t t, std::size_t corner) {
+        return model.vertices[model.triangles[t].vertices[corner]].uv[0];
+    };
+    for (std::size_t n = 0; n < 3; ++n)
+        if (f.corners[neighbour][n] == f.corners[triangle][(k + 1) % 3] &&
+            f.corners[neighbour][(n + 1) % 3] == f.corners[triangle][k])
+            return uv_of(neighbour, n) == uv_of(triangle, (k + 1) % 3) &&
+                   uv_of(neighbour, (n + 1) % 3) == uv_of(triangle, k);
+    return false;
+}
+
+std::vector<FlatChart> islands_of(const Model& model, const Facets& f) {
     const auto count = static_cast<std::uint32_t>(model.triangles.size());
-    const auto corners = welded_corners(model);
     std::vector<std::uint32_t> parents(count);
     std::iota(parents.begin(), parents.end(), 0u);
-    using End = std::tuple<std::uint32_t, float, float>;
-    std::map<std::pair<End, End>, std::uint32_t> edges; // by their ends, in order
     std::vector<FlatTriangle> flat;
-    for (std::uint32_t i = 0; i < count; ++i) {
+    for (std::uint32_t i = 0; i < count; ++i)
         flat.push_back(own_places(model, i));
-        std::array<End, 3> ends;
+    for (std::uint32_t i = 0; i < count; ++i)
         for (std::size_t k = 0; k < 3; ++k) {
-            const glm::vec2& uv = model.vertices[model.triangles[i].vertices[k]].uv[0];
-            ends[k] = {corners[i][k], uv.x, uv.y};
-        }
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto other = edges.find({ends[(k + 1) % 3], ends[k]});
+            const std::int64_t n = f.neighbours[i][k];
+            const auto other = static_cast<std::uint32_t>(n);
             // All triangles of an island have the same orientation.
-            if (other != edges.end() &&
-                doubled_area(flat[i]) * doubled_area(flat[other->second]) > 0.0)
-                parents[root_of(parents, i)] = root_of(parents, other->second);
-            edges.emplace(std::pair(ends[k], ends[(k + 1) % 3]), i);
+            if (n > i && doubled_area(flat[i]) * doubled_area(flat[other]) > 0.0 &&
+                is_joined(model, f, i, k, other))
+                parents[root_of(parents, i)] = root_of(parents, other);
         }
-    }
-    std::map<std::uint32_t, std::size_t> numbers;
+    constexpr std::size_t none = SIZE_MAX;
+    std::vector<std::size_t> numbers(count, none);
     std::vector<FlatChart> islands;
     for (std::uint32_t i = 0; i < count; ++i) {
-        const auto [it, is_new] = numbers.emplace(root_of(parents, i), islands.size());
-        if (is_new)
+        std::size_t& number = numbers[root_of(parents, i)];
+        if (number == none) {
+            number = islands.size();
             islands.emplace_back();
-        islands[it->second].triangles.push_back(i);
-        islands[it->second].places.push_back(flat[i]);
+        }
+        islands[number].triangles.push_back(i);
+        islands[number].places.push_back(flat[i]);
     }
     return islands;
 }
 
-// Scales the places to world units. Returns false if triangles overlap or have no area.
-bool unroll(const Model& model, FlatChart& island, double& stretched) {
+// Scales the places to world units. Returns false if triangles overlap, have no area or are
+// stretched too much.
+bool unroll(const Model& model, FlatChart& island) {
     if (doubled_area(island.places[0]) < 0.0) // clockwise: mirror the island
         for (FlatTriangle& t : island.places)
             for (glm::dvec2& p : t)
@@ -99,42 +109,33 @@ bool unroll(const Model& model, FlatChart& island, double& stretched) {
         sum.area += s.area;
     }
     const glm::dvec2 scale{std::sqrt(sum.along_x / sum.area), std::sqrt(sum.along_y / sum.area)};
-    double cell = 0;
-    for (FlatTriangle& t : island.places)
-        for (glm::dvec2& p : t)
-            p *= scale;
+    double stretched = 0, flat_area = 0;
     for (std::size_t i = 0; i < island.triangles.size(); ++i) {
+        for (glm::dvec2& p : island.places[i])
+            p *= scale;
         const Stretch s = stretch_of(model, island.triangles[i], island.places[i]);
-        if (std::max(s.along_x, s.along_y) > most_stretch * most_stretch)
+        if (!(std::max(s.along_x, s.along_y) <= most_stretch * most_stretch))
             stretched += s.area;
-        cell += std::sqrt(doubled_area(island.places[i])) * 2.0 /
-                static_cast<double>(island.triangles.size());
+        flat_area += doubled_area(island.places[i]);
     }
-    FlatSheet sheet(cell);
-    for (const FlatTriangle& t : island.places)
-        if (!sheet.add(t))
-            return false;
-    return true;
+    if (!(stretched <= stretched_share * sum.area) || !(flat_area <= most_area * sum.area))
+        return false;
+    FlatSheet sheet;
+    return std::all_of(island.places.begin(), island.places.end(),
+                       [&](const FlatTriangle& t) { return sheet.add(t); });
 }
 
 } // namespace
 
-std::vector<FlatChart> cut_by_uv(const Model& model) {
-    std::vector<FlatChart> islands = islands_of(model);
-    if (islands.size() > most_islands)
-        return {};
-    double stretched = 0, area = 0;
-    for (FlatChart& island : islands) {
-        if (!unroll(model, island, stretched))
-            return {};
-        for (const FlatTriangle& t : island.places)
-            area += doubled_area(t);
+OwnIslands cut_by_uv(const Model& model, const Facets& facets) {
+    OwnIslands own;
+    for (FlatChart& island : islands_of(model, facets)) {
+        if (unroll(model, island))
+            own.charts.push_back(std::move(island));
+        else
+            own.rest.insert(own.rest.end(), island.triangles.begin(), island.triangles.end());
     }
-    if (stretched > stretched_share * area)
-        return {};
-    for (FlatChart& island : islands)
-        turn_into_rectangle(island);
-    return islands;
+    return own;
 }
 
 } // namespace tessera::corpus

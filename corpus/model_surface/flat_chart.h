@@ -1,7 +1,7 @@
 // The surface of a model, cut into flat pieces that are packed into an atlas.
 #pragma once
 
-#include "corpus/model/model.h"
+#include "corpus/model_surface/facets.h"
 #include "corpus/surface/atlas.h"
 
 #include <glm/vec2.hpp>
@@ -19,18 +19,22 @@ struct FlatChart {
     glm::dvec2 sides{0.0};
 };
 
-// Numbers for the corners of each triangle. Corners at the same position have the same number.
-std::vector<std::array<std::uint32_t, 3>> welded_corners(const Model& model);
+// Islands of the model's own texture coordinates, in world units, and the triangles of the other
+// islands, which overlap themselves or are stretched too much.
+struct OwnIslands {
+    std::vector<FlatChart> charts;
+    std::vector<std::uint32_t> rest;
+};
+OwnIslands cut_by_uv(const Model& model, const Facets& facets);
 
-// The islands of the model's own texture coordinates. Empty if triangles overlap or are stretched
-// too much, or if there are too many islands.
-std::vector<FlatChart> cut_by_uv(const Model& model);
+// Connected pieces of these triangles whose normals differ little, projected along their mean
+// normals.
+std::vector<FlatChart> cut_by_normal(const Model& model, const Facets& facets,
+                                     const std::vector<std::uint32_t>& triangles);
 
-// Connected pieces whose normals differ little, projected along their mean normals.
-std::vector<FlatChart> cut_by_normal(const Model& model);
-
-// cut_by_uv(), or cut_by_normal() where that is empty.
-std::vector<FlatChart> cut_flat(const Model& model);
+// The own islands of the model, and its other triangles cut by their normals. Small charts are
+// merged where that saves texels at `density` texels per world unit.
+std::vector<FlatChart> cut_flat(const Model& model, double density);
 
 // Rotates the chart to the smallest rectangle of a few tries and moves it to (0, 0).
 void turn_into_rectangle(FlatChart& chart);

@@ -3,6 +3,7 @@
 
 #include "corpus/model_surface/flat_chart.h"
 
+#include <map>
 #include <unordered_map>
 
 namespace tessera::corpus {
@@ -12,20 +13,32 @@ inline double doubled_area(const FlatTriangle& t) {
     return p.x * q.y - p.y * q.x;
 }
 
-// Triangles in the plane without overlaps, sorted into cells.
+// Triangles in the plane without overlaps. Each lies in one cell of a grid whose cells are about as
+// large as the triangle, so that memory follows the number of triangles, wherever they lie and
+// however different their sizes are.
 class FlatSheet {
 public:
-    explicit FlatSheet(double cell) : cell_(cell) {}
-    // Adds the triangle unless it overlaps one of the sheet; returns whether it was added.
-    // Triangles that share an edge do not overlap.
+    // Whether the triangle overlaps none of the sheet. Triangles that share an edge do not overlap.
+    // A search that takes much longer than usual ends with false: thousands of slivers on one place
+    // would otherwise take hours.
+    bool is_free(const FlatTriangle& triangle) const;
+    // Adds a triangle that is free.
+    void put(const FlatTriangle& triangle);
+    // Adds the triangle if it is free. Returns whether it was.
     bool add(const FlatTriangle& triangle);
 
 private:
-    template <class Visit> void cells_of(const FlatTriangle& triangle, const Visit& visit) const;
+    struct Cell {
+        double x, y;
+        bool operator==(const Cell&) const = default;
+    };
+    struct CellHash {
+        std::size_t operator()(const Cell& c) const;
+    };
+    using Grid = std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash>;
 
-    double cell_;
+    std::map<int, Grid> grids_; // by the exponent of the size of their cells
     std::vector<FlatTriangle> triangles_;
-    std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
 };
 
 } // namespace tessera::corpus

@@ -169,7 +169,7 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
     if (options.tile[0] <= 2 * gutter || options.tile[1] <= 2 * gutter)
         return Status(ErrorCode::bad_argument, "a tile's sides must be larger than its gutters, " +
                                                    std::to_string(2 * gutter) + " texels");
-    const std::vector<FlatChart> flat = cut_flat(model);
+    const std::vector<FlatChart> flat = cut_flat(model, atlas.density);
     TESSERA_TRY_ASSIGN(Atlas packed, pack_charts(flat, atlas.density, options.tile));
     atlas.charts = std::move(packed.charts);
     atlas.size = packed.size;

@@ -10,6 +10,37 @@ glm::dvec2 in_texels(const glm::vec2& uv, const Texels2& size) {
     return {static_cast<double>(uv.x) * size[0], static_cast<double>(uv.y) * size[1]};
 }
 
+// The charts at each part of the atlas, so that looking one up does not visit all.
+class ChartsByPart {
+public:
+    ChartsByPart(std::span<const Chart> charts, const Texels2& size)
+        : charts_(charts), columns_(size[0] / side + 1), parts_(columns_ * (size[1] / side + 1)) {
+        for (std::size_t i = 0; i < charts.size(); ++i)
+            for (std::size_t y = charts[i].begin[1] / side;
+                 y <= (charts[i].begin[1] + charts[i].extent[1]) / side; ++y)
+                for (std::size_t x = charts[i].begin[0] / side;
+                     x <= (charts[i].begin[0] + charts[i].extent[0]) / side; ++x)
+                    parts_[y * columns_ + x].push_back(i);
+    }
+
+    // The first chart that contains the place; SIZE_MAX: none.
+    std::size_t at(const glm::dvec2& texel) const {
+        const auto x = static_cast<std::size_t>(std::max(0.0, texel.x)) / side,
+                   y = static_cast<std::size_t>(std::max(0.0, texel.y)) / side;
+        if (x < columns_ && y * columns_ + x < parts_.size())
+            for (const std::size_t i : parts_[y * columns_ + x])
+                if (charts_[i].contains(texel))
+                    return i;
+        return SIZE_MAX;
+    }
+
+private:
+    static constexpr std::size_t side = 16;
+    std::span<const Chart> charts_;
+    std::size_t columns_;
+    std::vector<std::vector<std::size_t>> parts_;
+};
+
 } // namespace
 
 // How far a point of the atlas is outside the triangle: the smallest weight, negated.
@@ -34,17 +65,16 @@ Result<TexelPlaces> TexelPlaces::make(const SurfaceMesh& mesh, std::span<const C
     TexelPlaces places;
     places.size_ = size;
     places.triangles_.assign(std::size_t{size[0]} * size[1], nobody);
+    const ChartsByPart by_part(charts, size);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto& [ia, ib, ic] = mesh.triangles[i];
         const glm::dvec2 a = in_texels(mesh.uv[ia], size), b = in_texels(mesh.uv[ib], size),
                          c = in_texels(mesh.uv[ic], size);
-        const auto chart = std::find_if(charts.begin(), charts.end(), [&](const Chart& candidate) {
-            return candidate.contains((a + b + c) / 3.0);
-        });
-        if (chart == charts.end())
+        const std::size_t chart = by_part.at((a + b + c) / 3.0);
+        if (chart == SIZE_MAX)
             return Status(ErrorCode::invalid_file,
                           "triangle " + std::to_string(i) + " of the mesh lies in no chart");
-        places.chart_of_.push_back(static_cast<std::size_t>(chart - charts.begin()));
+        places.chart_of_.push_back(chart);
         const glm::dvec2 p = b - a, q = c - a;
         const double area = p.x * q.y - p.y * q.x;
         const double inverse = area != 0.0 ? 1.0 / area : 0.0; // without area: no texel

@@ -27,7 +27,7 @@ std::shared_ptr<const LitModel> lit_model(const Model& model, const LitModelOpti
 
 // No triangles overlap or have the wrong orientation after decoding.
 void expect_no_overlap(const ModelAtlas& atlas) {
-    FlatSheet sheet(4.0);
+    FlatSheet sheet;
     std::size_t covering = 0;
     for (const auto& triangle : atlas.mesh.triangles) {
         FlatTriangle flat;
@@ -55,14 +55,97 @@ TEST(ModelSurface, OwnCoordinatesAreUsedWhereTheyLieFlat) {
         model.vertices[i].uv[0] = {(static_cast<float>(i / 4) + 0.9f * static_cast<float>(i % 2)) /
                                        6.0f,
                                    static_cast<float>(i / 2 % 2)};
-    const std::vector<FlatChart> charts = cut_by_uv(model);
+    std::vector<FlatChart> charts = cut_by_uv(model, facets_of(model)).charts;
     ASSERT_EQ(charts.size(), 6u);
-    for (const FlatChart& chart : charts) // the same area as in the world
+    for (FlatChart& chart : charts) { // the same area as in the world
+        turn_into_rectangle(chart);
         EXPECT_NEAR(chart.sides.x * chart.sides.y, 16.0, 1e-3);
-    for (ModelVertex& v : model.vertices) // all at one position
-        v.uv[0].x = 0.5f;
-    EXPECT_TRUE(cut_by_uv(model).empty());
+    }
+    // An island without area is cut again. The others are kept.
+    for (std::size_t i = 0; i < 4; ++i)
+        model.vertices[i].uv[0].x = 0.5f;
+    const OwnIslands some = cut_by_uv(model, facets_of(model));
+    EXPECT_EQ(some.charts.size(), 5u);
+    EXPECT_EQ(some.rest, (std::vector<std::uint32_t>{0, 1}));
+    EXPECT_EQ(cut_flat(model, 4.0).size(), 6u);
     expect_no_overlap(atlas_of(model, 2000));
+}
+
+// Squares of side 1, each with its own vertices, in rows of 32. Texture coordinates leave a gap
+// between them and begin at `far`.
+Model loose_squares(std::uint32_t count, float far) {
+    Model model;
+    model.materials.emplace_back();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto x = static_cast<float>(i % 32), y = static_cast<float>(i / 32);
+        for (std::uint32_t k = 0; k < 4; ++k) {
+            const auto right = static_cast<float>(k % 2), up = static_cast<float>(k / 2);
+            ModelVertex v;
+            v.position = {x + right, y + up, 0.0f};
+            v.normal = {0.0f, 0.0f, 1.0f};
+            v.uv[0] = {far * x + right, -(far * y + up)};
+            model.vertices.push_back(v);
+        }
+        model.triangles.push_back({{4 * i, 4 * i + 1, 4 * i + 2}, 0});
+        model.triangles.push_back({{4 * i + 1, 4 * i + 3, 4 * i + 2}, 0});
+    }
+    return model;
+}
+
+TEST(ModelSurface, AnyNumberOfOwnIslandsIsKept) {
+    const Model model = loose_squares(1000, 2.0f);
+    const OwnIslands own = cut_by_uv(model, facets_of(model));
+    EXPECT_EQ(own.charts.size(), 1000u);
+    EXPECT_TRUE(own.rest.empty());
+}
+
+TEST(ModelSurface, SmallChartsAreMerged) {
+    // 2000 triangles without common vertices, on both sides, as in models of foliage.
+    Model model = loose_squares(1000, 2.0f);
+    for (ModelVertex& v : model.vertices)
+        v.uv[0] = {0.0f, 0.0f};
+    const std::vector<ModelTriangle> fronts = std::move(model.triangles);
+    model.triangles.clear();
+    for (const ModelTriangle& t : fronts) {
+        model.triangles.push_back(t);
+        model.triangles.push_back({{t.vertices[0], t.vertices[2], t.vertices[1]}, 0});
+    }
+    EXPECT_LE(cut_flat(model, 2.0).size(), 2u);
+    // Own islands are merged across seams, too, where a texel is as large as they are.
+    const Model islands = loose_squares(1000, 2.0f);
+    EXPECT_LE(cut_flat(islands, 2.0).size(), 100u);
+    expect_no_overlap(atlas_of(islands, 4000));
+    EXPECT_EQ(cut_flat(cube_model(), 2.0).size(), 6u); // not across sharp edges
+}
+
+TEST(ModelSurface, EdgesJoinTrianglesAtTheSamePosition) {
+    Model model = loose_squares(2, 2.0f);
+    model.vertices[4].position.y += 1e-7f; // rounded in another way
+    const Facets facets = facets_of(model);
+    EXPECT_EQ(facets.neighbours[1], (std::array<std::int64_t, 3>{2, -1, 0}));
+    EXPECT_EQ(facets.neighbours[2], (std::array<std::int64_t, 3>{-1, 3, 1}));
+    // Between fronts and backs, a front continues into a front.
+    Model both = model;
+    both.triangles.clear();
+    for (const ModelTriangle& t : model.triangles) {
+        both.triangles.push_back(t);
+        both.triangles.push_back({{t.vertices[0], t.vertices[2], t.vertices[1]}, 0});
+    }
+    const Facets sides = facets_of(both);
+    EXPECT_EQ(sides.neighbours[2], (std::array<std::int64_t, 3>{4, -1, 0}));
+    EXPECT_EQ(sides.neighbours[4], (std::array<std::int64_t, 3>{-1, 6, 2}));
+}
+
+TEST(ModelSurface, SheetsTakeTrianglesOfAnySizeAnywhere) {
+    FlatSheet sheet;
+    EXPECT_TRUE(sheet.add({{{0, 0}, {10'000, 0}, {10'000, 10'000}}}));
+    for (const double far : {-1e8, -1e4, 2e4, 1e8})
+        EXPECT_TRUE(sheet.add({{{far, far}, {far + 1, far}, {far, far + 1}}})) << far;
+    // With cells as large as the others, this one would lie in 1e12 of them.
+    EXPECT_TRUE(sheet.add({{{0, -1e3}, {1e12, -1e3}, {1e12, -1}}}));
+    EXPECT_FALSE(sheet.add({{{5000, 1000}, {5000.01, 1000}, {5000, 1000.01}}}));
+    EXPECT_TRUE(sheet.add({{{1000, 5000}, {1000.01, 5000}, {1000, 5000.01}}}));
+    EXPECT_FALSE(sheet.add({{{900, 4900}, {1100, 4900}, {1000, 5100}}}));
 }
 
 TEST(ModelSurface, CornersKeepTheirAttributes) {
