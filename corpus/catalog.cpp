@@ -1,5 +1,6 @@
 #include "corpus/catalog.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -222,6 +223,24 @@ SceneInfo info_of(const Entry& entry) {
     return {entry.name, entry.description, entry.type, entry.default_size};
 }
 
+// What to do with a model of a kind that is not read; empty for other names.
+std::string other_model_hint(const std::string& name) {
+    for (const char* ending : {".stl", ".usd", ".usda", ".usdc", ".usdz", ".fbx", ".dae", ".3ds",
+                               ".blend", ".x3d", ".abc", ".ifc", ".step"}) {
+        const std::string suffix = ending;
+        const auto same = [](char a, char b) {
+            return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
+        };
+        if (name.size() > suffix.size() &&
+            std::equal(suffix.begin(), suffix.end(),
+                       name.end() - static_cast<std::ptrdiff_t>(suffix.size()),
+                       [&](char b, char a) { return same(a, b); }))
+            return suffix + " models are not read; convert the model to glTF (.glb), for example "
+                            "with Blender";
+    }
+    return {};
+}
+
 Result<const Entry*> find_entry(const std::string& name) {
     std::string known;
     for (const Entry& entry : catalog) {
@@ -229,6 +248,9 @@ Result<const Entry*> find_entry(const std::string& name) {
             return &entry;
         known += (known.empty() ? "" : ", ") + std::string(entry.name);
     }
+    const std::string hint = other_model_hint(name);
+    if (!hint.empty())
+        return Status{ErrorCode::unsupported, name + ": " + hint};
     return Status{ErrorCode::bad_argument, "there is no scene '" + name + "'; there are " + known};
 }
 

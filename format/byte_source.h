@@ -113,4 +113,8 @@ std::vector<MergedRead> merge_reads(std::span<const ReadRequest> requests, std::
 // The same with the limits above.
 std::vector<MergedRead> merge_reads(std::span<const ReadRequest> requests);
 
+// What a file is that begins with these bytes, for messages: "a Git LFS pointer; fetch ...". Empty
+// for kinds that are not known, among them text. Looks at no more than 64 bytes.
+std::string known_kind(std::span<const std::byte> begin);
+
 } // namespace tessera

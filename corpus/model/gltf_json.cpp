@@ -127,6 +127,21 @@ Result<DracoUse> take_draco(Json& primitive, const std::string& name) {
     return use;
 }
 
+// glTF 2.x is read unless it needs a later version than 2.0.
+Status check_version(const Json& root) {
+    const auto asset = root.find("asset");
+    for (const char* key : {"version", "minVersion"}) {
+        if (asset == root.end() || !asset->is_object() || !asset->contains(key) ||
+            !(*asset)[key].is_string())
+            continue;
+        const auto version = (*asset)[key].get<std::string>().substr(0, longest_shown);
+        if (version != "2.0" && (key == std::string("minVersion") || !version.starts_with("2.")))
+            return {ErrorCode::unsupported,
+                    "is glTF " + version + "; only glTF 2.0 is read. Export it again as glTF 2.0"};
+    }
+    return {};
+}
+
 bool is_supported(const std::string& extension) {
     constexpr const char* supported[] = {draco_name,
                                          "EXT_mesh_gpu_instancing",
@@ -198,6 +213,7 @@ Result<SafeGltf> make_safe_gltf(std::vector<unsigned char> bytes) {
                             " deep");
     if (!root.is_object())
         return invalid_gltf("is not JSON");
+    TESSERA_TRY(check_version(root));
     TESSERA_TRY(check_extensions(root));
     TESSERA_TRY(check_views(root));
     count_ignored(root, safe.ignored);

@@ -244,7 +244,8 @@ Status load(const std::string& path, const SafeGltf& safe, tinygltf::Model& file
         return {};
     std::string text = error.empty() ? warning : error;
     std::replace(text.begin(), text.end(), '\n', ' ');
-    return invalid_gltf("cannot be read: " + (text.empty() ? "tinygltf states no reason" : text));
+    return invalid_gltf("cannot be read: " +
+                        (text.empty() ? "tinygltf states no reason" : text.substr(0, 300)));
 }
 
 // Says what the file has and Tessera does not model, one line per feature.
@@ -277,6 +278,7 @@ Status convert(const tinygltf::Model& file, const SafeGltf& safe, ModelBuilder& 
 
 Status read_gltf(const std::string& path, ModelBuilder& builder) {
     TESSERA_TRY_ASSIGN(auto bytes, read_whole_file(path, most_model_bytes));
+    TESSERA_TRY(check_is_model(bytes));
     TESSERA_TRY_ASSIGN(const SafeGltf safe, make_safe_gltf(std::move(bytes)));
     tinygltf::Model file;
     TESSERA_TRY(load(path, safe, file));

@@ -1,5 +1,7 @@
 #include "corpus/model/readers.h"
 
+#include "format/byte_source.h"
+
 #include <algorithm>
 #include <exception>
 #include <new>
@@ -45,6 +47,13 @@ Result<std::vector<unsigned char>> read_whole_file(const std::string& path, std:
     std::vector<unsigned char> bytes(file->size());
     TESSERA_TRY(file->read(0, std::as_writable_bytes(std::span(bytes))));
     return bytes;
+}
+
+Status check_is_model(const std::vector<unsigned char>& bytes) {
+    const std::string kind = known_kind(std::as_bytes(std::span(bytes)));
+    if (kind.empty() || kind == "a binary glTF model")
+        return {};
+    return {ErrorCode::invalid_file, "not a model, but " + kind};
 }
 
 bool is_model_path(const std::string& path) {

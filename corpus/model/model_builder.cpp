@@ -143,12 +143,19 @@ Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
     return {};
 }
 
-Result<int> ModelBuilder::add_image(const std::string& path) {
+int ModelBuilder::add_image_or_note(const std::string& path) {
     if (const auto it = images_.find(path); it != images_.end())
         return it->second;
-    TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_model_bytes));
-    TESSERA_TRY_ASSIGN(Image image, decode_image(bytes).with_context(path));
-    model_.images.push_back(std::move(image));
+    const auto read = [&]() -> Result<Image> {
+        TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_model_bytes));
+        return decode_image(bytes).with_context(path);
+    };
+    Result<Image> image = read();
+    if (!image.ok()) {
+        model_.notes.push_back(image.status().message() + "; materials are read without it");
+        return images_[path] = -1;
+    }
+    model_.images.push_back(std::move(*image));
     return images_[path] = static_cast<int>(model_.images.size()) - 1;
 }
 

@@ -26,9 +26,9 @@ public:
     // area, too large).
     Result<Model> finish() &&;
 
-    // Reads the picture unless it has been read, and returns its index in Model::images. Errors:
-    // io, invalid_file, unsupported; all name the picture.
-    Result<int> add_image(const std::string& path);
+    // Reads the picture unless it has been read, and returns its index in Model::images. Notes
+    // pictures that cannot be read, and returns -1 for them.
+    int add_image_or_note(const std::string& path);
 
     Model& model() { return model_; }
 

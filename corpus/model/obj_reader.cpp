@@ -1,5 +1,6 @@
 // Wavefront .obj and .mtl. The reader uses the statements v (also with colours), vt, vn, f, usemtl,
-// mtllib, g and o of .obj files, and newmtl, Kd, Ke, Ns, Pr, Pm and map_Kd of .mtl files.
+// mtllib, g and o of .obj files, and newmtl, Kd, Ke, Ns, Pr, Pm, map_Kd, map_Ke and norm of .mtl
+// files. It notes other maps.
 #include "corpus/model/polygons.h"
 #include "corpus/model/readers.h"
 #include "corpus/model/text_lines.h"
@@ -53,6 +54,11 @@ bool exists(const std::string& path) {
     return std::filesystem::exists(path, error);
 }
 
+std::string_view without_quotes(std::string_view name) {
+    const bool is_quoted = name.size() >= 2 && name.front() == '"' && name.back() == '"';
+    return is_quoted ? name.substr(1, name.size() - 2) : name;
+}
+
 // The file name that follows the options of a statement such as map_Kd.
 std::string_view texture_name(std::string_view rest) {
     static const std::map<std::string_view, int> most_values = {
@@ -63,7 +69,7 @@ std::string_view texture_name(std::string_view rest) {
         std::string_view after = rest;
         const auto option = most_values.find(take_word(after));
         if (option == most_values.end())
-            return trimmed(rest);
+            return without_quotes(trimmed(rest));
         take_word(after);
         for (int i = 1; i < option->second; ++i) { // the last numbers may be missing
             std::string_view next = after;
@@ -75,12 +81,22 @@ std::string_view texture_name(std::string_view rest) {
     }
 }
 
+// The path of a picture that a .mtl file in `folder` names. Absolute paths are often those of another
+// computer, on which the picture lay beside the model.
+std::string picture_path(const std::string& folder, std::string_view name) {
+    const std::string text = with_slashes(name);
+    const std::string usual = folder + "/" + text,
+                      beside = folder + "/" + text.substr(text.rfind('/') + 1);
+    return !exists(usual) && exists(beside) ? beside : usual;
+}
+
 // The statements of one material in a .mtl file. Colours are display-referred.
 struct MtlMaterial {
     glm::dvec3 diffuse{0.6}, emission{0.0};
     double exponent = 0.0;
     std::optional<double> roughness, metal;
-    std::string picture;
+    std::string picture, emission_picture, normal_picture;
+    std::set<std::string> ignored_maps;
 
     // Returns false if `rest` is not a value of the keyword, which is in lower case.
     bool read(const std::string& keyword, std::string_view rest, const std::string& folder) {
@@ -95,8 +111,16 @@ struct MtlMaterial {
             else
                 (keyword == "pr" ? roughness : metal) = number;
         }
+        const auto path = [&] { return picture_path(folder, texture_name(rest)); };
         if (keyword == "map_kd")
-            picture = folder + "/" + with_slashes(texture_name(rest));
+            picture = path();
+        else if (keyword == "map_ke")
+            emission_picture = path();
+        else if (keyword == "norm")
+            normal_picture = path();
+        else if (keyword.starts_with("map_") || keyword == "bump" || keyword == "disp" ||
+                 keyword == "refl")
+            ignored_maps.insert(keyword.substr(0, longest_shown));
         return true;
     }
 
@@ -147,8 +171,9 @@ public:
     }
 
     // Adds a grey material, for faces without a known one, and the materials of the files.
-    Status finish(ModelBuilder& builder) const {
+    void finish(ModelBuilder& builder) const {
         builder.model().materials.push_back(plain_material(MtlMaterial().diffuse));
+        std::map<std::string, std::size_t> ignored; // maps, with the number of their materials
         for (const MtlMaterial& from : materials_) {
             ModelMaterial m = plain_material(from.diffuse, from.exponent);
             m.emission = linear_colour(from.emission);
@@ -158,12 +183,25 @@ public:
             if (is_share(from.metal))
                 m.metal = *from.metal;
             if (!from.picture.empty()) {
-                TESSERA_TRY_ASSIGN(m.base_texture.image, builder.add_image(from.picture));
-                m.base = glm::dvec4(1.0); // exporters write black beside a texture
+                m.base_texture.image = builder.add_image_or_note(from.picture);
+                if (m.base_texture.image >= 0)
+                    m.base = glm::dvec4(1.0); // exporters write black beside a texture
             }
+            if (!from.emission_picture.empty()) {
+                m.emission_texture.image = builder.add_image_or_note(from.emission_picture);
+                if (m.emission_texture.image >= 0 && m.emission == glm::dvec3(0.0))
+                    m.emission = glm::dvec3(1.0);
+            }
+            if (!from.normal_picture.empty())
+                m.normal_texture.image = builder.add_image_or_note(from.normal_picture);
             builder.model().materials.push_back(m);
+            for (const std::string& map : from.ignored_maps)
+                ++ignored[map];
         }
-        return {};
+        for (const auto& [map, count] : ignored)
+            builder.model().notes.push_back(map + " (" + std::to_string(count) +
+                                            (count == 1 ? " material" : " materials") +
+                                            ") is not supported and is ignored");
     }
 
 private:
@@ -199,7 +237,7 @@ public:
             model_.meshes[i].material = library_.find(names_[i]);
         if (!model_.colours.empty())
             model_.colours.resize(model_.positions.size(), glm::vec4(1.0f));
-        TESSERA_TRY(library_.finish(builder_));
+        library_.finish(builder_);
         return add_polygons(model_, builder_);
     }
 
@@ -309,6 +347,7 @@ private:
 
 Status read_obj(const std::string& path, ModelBuilder& builder) {
     TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_model_bytes));
+    TESSERA_TRY(check_is_model(bytes));
     return ObjReader(path, builder).read(text_of(bytes));
 }
 

@@ -241,9 +241,10 @@ public:
             TESSERA_TRY(read_element(element).with_context("element " + std::string(element.name)));
         finish_corners();
         if (!file_.texture().empty()) {
-            TESSERA_TRY_ASSIGN(material_.base_texture.image,
-                               builder_.add_image(folder + "/" + std::string(file_.texture())));
-            material_.base = glm::dvec4(1.0);
+            material_.base_texture.image =
+                builder_.add_image_or_note(folder + "/" + std::string(file_.texture()));
+            if (material_.base_texture.image >= 0)
+                material_.base = glm::dvec4(1.0);
         }
         builder_.model().materials.push_back(material_);
         return add_polygons(model_, builder_);
@@ -373,6 +374,7 @@ private:
 
 Status read_ply(const std::string& path, ModelBuilder& builder) {
     TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_model_bytes));
+    TESSERA_TRY(check_is_model(bytes));
     PlyFile file({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     TESSERA_TRY(file.read_header());
     return PlyReader(file, builder).read(folder_of(path));

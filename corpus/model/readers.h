@@ -25,4 +25,7 @@ std::string folder_of(const std::string& path);
 // A whole file of at most `most` bytes. Errors: io, naming it; unsupported (larger).
 Result<std::vector<unsigned char>> read_whole_file(const std::string& path, std::size_t most);
 
+// Refuses the content of a file that is of another known kind. Error: invalid_file, which names it.
+Status check_is_model(const std::vector<unsigned char>& bytes);
+
 } // namespace tessera::corpus

@@ -47,6 +47,14 @@ Result<std::unique_ptr<PictureReader>> open_exr(ByteSource& file, unsigned threa
     return std::unique_ptr<PictureReader>(std::move(reader));
 }
 
+// ", but a Git LFS pointer" and the like; empty where the kind of the file is not known.
+std::string but_of(ByteSource& file) {
+    std::array<std::byte, 64> begin{};
+    const auto read = std::span(begin).first(std::min<std::uint64_t>(begin.size(), file.size()));
+    const std::string kind = file.read(0, read).ok() ? known_kind(read) : std::string();
+    return kind.empty() ? kind : ", but " + kind;
+}
+
 Result<std::unique_ptr<PictureReader>> open_by_kind(ByteSource& file, unsigned threads, Exif exif) {
     switch (picture_kind_of(file)) {
     case PictureKind::png:
@@ -56,7 +64,7 @@ Result<std::unique_ptr<PictureReader>> open_by_kind(ByteSource& file, unsigned t
     case PictureKind::exr:
         return open_exr(file, threads);
     default:
-        return Status(ErrorCode::invalid_file, "not a PNG, JPEG or EXR picture");
+        return Status(ErrorCode::invalid_file, "not a PNG, JPEG or EXR picture" + but_of(file));
     }
 }
 
@@ -156,6 +164,8 @@ Result<Image> decode_image(std::span<const unsigned char> file) {
     for (const auto& [signature, name] : unsupported_kinds)
         if (begin.starts_with(signature))
             return not_supported(name);
+    if (const std::string kind = known_kind(bytes); !kind.empty())
+        return Status(ErrorCode::invalid_file, "not a picture, but " + kind);
     return read_tga(bytes);
 }
 

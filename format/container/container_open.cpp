@@ -8,6 +8,11 @@ namespace tessera {
 
 namespace {
 
+std::string not_tessera(std::span<const std::byte> begin) {
+    const std::string kind = known_kind(begin);
+    return "this is not a Tessera file" + (kind.empty() ? "" : ", but " + kind);
+}
+
 constexpr std::size_t identifier_name_bytes = 8;
 
 // The first violation of FORMAT.md 1.2 by the section table, or "". Precondition: the types are
@@ -92,7 +97,7 @@ Status OpenContainer::load_header(const OpenOptions& options, ContainerRule& rul
         differs != identifier.end())
         return invalid("a transfer in text mode has damaged the file");
     if (differs != identifier.end())
-        return invalid("this is not a Tessera file");
+        return invalid(not_tessera(head_));
 
     rule = ContainerRule::version;
     header_ = tessera::load_header(std::span(head_).first<header_bytes>());

@@ -297,10 +297,51 @@ TEST_F(Models, MaterialsOfObj) {
     EXPECT_EQ(second.uv[0], glm::vec2(1.0f, 0.75f)); // from the top
 
     file("gone.mtl", "newmtl m\nmap_Kd nowhere.png\n");
-    refuse("gone.obj", "mtllib gone.mtl\n" + triangle, ErrorCode::io, "nowhere.png");
+    const auto gone = load("gone.obj", "mtllib gone.mtl\n" + triangle);
+    ASSERT_TRUE(gone.ok()) << gone.status().message();
+    ASSERT_EQ(gone->notes.size(), 1u);
+    EXPECT_NE(gone->notes[0].find("nowhere.png"), std::string::npos);
     file("wrong.mtl", "\nnewmtl m\nKd red\n");
     refuse("wrong.obj", "mtllib wrong.mtl\n" + triangle, ErrorCode::invalid_file,
            "wrong.mtl: line 3: 'red'");
+}
+
+TEST_F(Models, NamesOfPicturesInMtl) {
+    file("a b.png", one_texel_png);
+    const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    for (const char* name :
+         {"a b.png ", "\"a b.png\"", ".\\a b.png", "C:\\work\\a b.png", "/home/me/maps/a b.png",
+          "-s 2 2 2 -o 0 0 0 -bm 1.5 -clamp on -imfchan r a b.png"}) {
+        file("a.mtl", std::string("newmtl m\nKd 0 0 0\nmap_Kd ") + name + "\n");
+        const auto model = load("a.obj", "mtllib a.mtl\n" + triangle);
+        ASSERT_TRUE(model.ok()) << name << ": " << model.status().message();
+        EXPECT_TRUE(model->notes.empty()) << name;
+        EXPECT_EQ(model->materials[model->triangles[0].material].base_texture.image, 0) << name;
+    }
+    file("a.mtl", "newmtl m\nmap_Ke a b.png\nnorm a b.png\nmap_Bump a b.png\nmap_Pr a b.png\n"
+                  "newmtl n\nmap_Bump a b.png\n");
+    const auto model = load("a.obj", "mtllib a.mtl\n" + triangle);
+    ASSERT_TRUE(model.ok()) << model.status().message();
+    const ModelMaterial& m = model->materials[model->triangles[0].material];
+    EXPECT_EQ(m.emission, glm::dvec3(1.0));
+    EXPECT_EQ(m.emission_texture.image, 0);
+    EXPECT_EQ(m.normal_texture.image, 0);
+    EXPECT_EQ(model->notes,
+              (std::vector<std::string>{"map_bump (2 materials) is not supported and is ignored",
+                                        "map_pr (1 material) is not supported and is ignored"}));
+}
+
+TEST_F(Models, FilesOfOtherKindsAreNamed) {
+    const std::string pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:0\n";
+    for (const char* name : {"a.gltf", "a.glb", "a.obj", "a.ply"}) {
+        refuse(name, pointer, ErrorCode::invalid_file, "not a model, but a Git LFS pointer");
+        refuse(name, "\n <!DOCTYPE HTML><html>", ErrorCode::invalid_file, "an HTML page");
+        refuse(name, "PK\3\4zip", ErrorCode::invalid_file, "a ZIP archive");
+        refuse(name, "", ErrorCode::invalid_file, "an empty file");
+    }
+    refuse("b.gltf", R"({"asset":{"version":"1.0"}})", ErrorCode::unsupported, "is glTF 1.0");
+    refuse("c.gltf", R"({"asset":{"version":"2.1","minVersion":"2.1"}})", ErrorCode::unsupported,
+           "is glTF 2.1");
 }
 
 TEST_F(Models, ObjWithoutItsMaterialFile) {

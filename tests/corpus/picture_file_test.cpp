@@ -522,8 +522,10 @@ TEST(PictureFile, RefusesOtherKindsByName) {
     for (const auto& [begin, name] : kinds)
         expect_refused(begin + std::string(100, '\1'), ErrorCode::unsupported,
                        std::string("not supported: ") + name + "; convert it to PNG");
-    for (const std::string& text : {std::string(), std::string("nonsense"), std::string(40, '\0')})
+    for (const std::string& text : {std::string("nonsense"), std::string(40, '\0')})
         expect_refused(text, ErrorCode::invalid_file, "not a picture of a known kind");
+    expect_refused("", ErrorCode::invalid_file, "not a picture, but an empty file");
+    expect_refused("<!DOCTYPE html><html>", ErrorCode::invalid_file, "but an HTML page");
 }
 
 TEST(PictureFile, RefusesLargePicturesBeforeTheyTakeMemory) {
