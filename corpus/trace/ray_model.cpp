@@ -110,6 +110,10 @@ glm::dvec3 bent_normal(const Model& model, const ModelMaterial& m, const Interpo
     return size > 1e-6 ? bent / size : normal;
 }
 
+glm::dvec3 emission_at(const Model& model, const ModelMaterial& m, const Interpolated& at) {
+    return m.emission * glm::dvec3(texture_value(model, m.emission_texture, at.uv, true));
+}
+
 bool cut_out(const Model& model, const ModelPlace& place) {
     const ModelMaterial& m = model.materials[model.triangles[place.triangle].material];
     if (m.cutoff <= 0.0)
@@ -146,8 +150,9 @@ std::optional<ModelPlace> RayModel::first_hit(const glm::dvec3& origin,
     return ModelPlace{hit->triangle, hit->barycentric};
 }
 
-bool RayModel::is_blocked(const glm::dvec3& origin, const glm::dvec3& direction) const {
-    return fronts_->is_blocked(origin, direction);
+bool RayModel::is_blocked(const glm::dvec3& origin, const glm::dvec3& direction,
+                          double reach) const {
+    return fronts_->is_blocked(origin, direction, reach);
 }
 
 bool RayModel::meets_back(const glm::dvec3& origin, const glm::dvec3& direction) const {
@@ -161,6 +166,13 @@ bool RayModel::is_walled(const glm::dvec3& origin, const glm::dvec3& direction) 
 
 bool RayModel::is_cut_out(const ModelPlace& place) const {
     return cut_out(model_, place);
+}
+
+glm::dvec3 RayModel::emission(const ModelPlace& place) const {
+    const ModelMaterial& m = model_.materials[model_.triangles[place.triangle].material];
+    if (m.emission_texture.image < 0)
+        return m.emission;
+    return emission_at(model_, m, interpolate(model_, place));
 }
 
 LitPoint RayModel::point(const ModelPlace& place) const {
@@ -183,7 +195,7 @@ LitPoint RayModel::point(const ModelPlace& place) const {
     p.lobes.diffuse = base * (1.0 - metal);
     p.lobes.facing = glm::mix(glm::dvec3(0.04), base, metal);
     p.lobes.alpha = roughness * roughness;
-    p.emission = m.emission * glm::dvec3(texture_value(model_, m.emission_texture, at.uv, true));
+    p.emission = emission_at(model_, m, at);
     return p;
 }
 

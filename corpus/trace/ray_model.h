@@ -41,12 +41,15 @@ public:
     // length.
     std::optional<ModelPlace> first_hit(const glm::dvec3& origin,
                                         const glm::dvec3& direction) const;
-    bool is_blocked(const glm::dvec3& origin, const glm::dvec3& direction) const;
+    bool is_blocked(const glm::dvec3& origin, const glm::dvec3& direction,
+                    double reach = std::numeric_limits<double>::infinity()) const;
     // Whether the ray meets a back first, which means that the origin is inside a body.
     bool meets_back(const glm::dvec3& origin, const glm::dvec3& direction) const;
     // Whether the ray meets any triangle: front, back or removed by an alpha mask.
     bool is_walled(const glm::dvec3& origin, const glm::dvec3& direction) const;
     LitPoint point(const ModelPlace& place) const;
+    // The light that the front emits at the place. The same as that of point().
+    glm::dvec3 emission(const ModelPlace& place) const;
     // Whether the alpha mask removes the place.
     bool is_cut_out(const ModelPlace& place) const;
 

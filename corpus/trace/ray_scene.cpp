@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <embree3/rtcore.h>
-#include <limits>
 
 namespace tessera::corpus {
 namespace {
@@ -109,8 +108,10 @@ std::optional<RayHit> RayScene::first_hit(const glm::dvec3& origin,
                   is_back(query.ray, query.hit)};
 }
 
-bool RayScene::is_blocked(const glm::dvec3& origin, const glm::dvec3& direction) const {
+bool RayScene::is_blocked(const glm::dvec3& origin, const glm::dvec3& direction,
+                          double reach) const {
     RTCRay ray = make_ray(origin, direction);
+    ray.tfar = static_cast<float>(reach);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcOccluded1(state_->scene, &context, &ray);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -38,7 +39,9 @@ public:
     ~RayScene();
 
     std::optional<RayHit> first_hit(const glm::dvec3& origin, const glm::dvec3& direction) const;
-    bool is_blocked(const glm::dvec3& origin, const glm::dvec3& direction) const;
+    // Whether the ray meets a triangle within `reach`, in lengths of its direction.
+    bool is_blocked(const glm::dvec3& origin, const glm::dvec3& direction,
+                    double reach = std::numeric_limits<double>::infinity()) const;
 
 private:
     struct State;

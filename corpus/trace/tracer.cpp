@@ -10,6 +10,7 @@ constexpr double off = 1e-4;         // rays start this far above a surface, in 
 constexpr int most_bounces = 8;      // after the first
 constexpr int sure_bounces = 2;      // later ones are subject to Russian roulette
 constexpr double least_alpha = 0.09; // of indirectly seen places
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 double largest_channel(const glm::dvec3& x) {
     return std::max({x.x, x.y, x.z});
@@ -81,6 +82,12 @@ glm::dvec3 sample_both(const BothLobes& lobes, PathRandom& random) {
 
 } // namespace
 
+Tracer::Tracer(std::shared_ptr<const RayModel> model, ModelLight light)
+    : model_(std::move(model)), light_(std::move(light)), emitters_(model_) {
+    if (!emitters_.empty())
+        shared_ = {1.0 / 3.0, 1.0 / 3.0};
+}
+
 LitPoint Tracer::facing(LitPoint point, const glm::dvec3& view) {
     constexpr double least = 0.02;
     if (const double cosine = glm::dot(point.normal, view); cosine < least)
@@ -88,64 +95,97 @@ LitPoint Tracer::facing(LitPoint point, const glm::dvec3& view) {
     return point;
 }
 
-// Light from the sun and from a sampled direction of the environment. The environment is also
-// sampled by the directions of the lobe, in arriving(); the balance heuristic weights both.
+// Light from the sun, from a sampled direction of the environment and from a sampled place of an
+// emitting triangle. The directions of the lobe meet the latter two, too, in arriving(); the balance
+// heuristic weights both.
 template <class Lobe>
 glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& random) const {
+    const glm::dvec3 start = start_of(point);
     glm::dvec3 sum(0.0);
     const auto add = [&](const glm::dvec3& light, const glm::dvec3& direction,
-                         const glm::dvec3& share) {
-        if (largest_channel(share * light) > 0.0 && !model_->is_blocked(start_of(point), direction))
+                         const glm::dvec3& share, double reach = infinite) {
+        if (largest_channel(share * light) > 0.0 && !model_->is_blocked(start, direction, reach))
             sum += share * light;
     };
     const LightSample far = light_.environment->sample(random.next2());
     const Thrown thrown = lobe(far.direction);
     add(far.light, far.direction, thrown.share / (far.density + thrown.density));
+    if (!emitters_.empty()) {
+        const EmitterSample near = emitters_.sample(start, random.next2());
+        const Thrown there = lobe(near.direction);
+        add(near.light, near.direction, there.share / (near.density + there.density),
+            std::max(near.distance - off, 0.0));
+    }
     if (light_.sun)
         add(light_.sun->irradiance, light_.sun->direction, lobe(light_.sun->direction).share);
     return sum;
+}
+
+template <class Lobe>
+glm::dvec3 Tracer::reflected(const LitPoint& point, const Lobe& lobe, const glm::dvec3& sampled,
+                             PathRandom& random) const {
+    const Thrown thrown = lobe(sampled);
+    if (!(thrown.density > 0.0))
+        return glm::dvec3(0.0);
+    const glm::dvec3 start = start_of(point);
+    return thrown.share / thrown.density *
+           arriving(start, sampled, model_->first_hit(start, sampled), thrown.density, random);
 }
 
 glm::dvec3 Tracer::diffuse(const LitPoint& point, PathRandom& random) const {
     if (largest_channel(point.lobes.diffuse) <= 0.0)
         return glm::dvec3(0.0);
     const DiffuseLobe lobe{point};
-    glm::dvec3 sum = direct(point, lobe, random);
-    const glm::dvec3 l = sample_cosine(point.normal, random.next2());
-    if (const Thrown thrown = lobe(l); thrown.density > 0.0)
-        sum += thrown.share / thrown.density * arriving(start_of(point), l, thrown.density, random);
-    return sum;
+    const glm::dvec3 lit = direct(point, lobe, random);
+    return lit + reflected(point, lobe, sample_cosine(point.normal, random.next2()), random);
 }
 
 glm::dvec3 Tracer::specular(const LitPoint& point, const glm::dvec3& view,
                             PathRandom& random) const {
     const SpecularLobe lobe{point, view};
-    glm::dvec3 sum = direct(point, lobe, random);
-    const glm::dvec3 l = sample_ggx(point.lobes.alpha, point.normal, view, random.next2());
-    if (const Thrown thrown = lobe(l); thrown.density > 0.0)
-        sum += thrown.share / thrown.density * arriving(start_of(point), l, thrown.density, random);
-    return sum;
+    const glm::dvec3 lit = direct(point, lobe, random);
+    const glm::dvec2 x = random.next2();
+    return lit +
+           reflected(point, lobe, sample_ggx(point.lobes.alpha, point.normal, view, x), random);
 }
 
-// Half of the shared directions sample the environment, half the cosine around the normal.
-double Tracer::shared_density(const LitPoint& point, const glm::dvec3& direction) const {
-    return 0.5 * light_.environment->density(direction) +
-           0.5 * cosine_density(glm::dot(point.normal, direction));
+double Tracer::emitter_density(const glm::dvec3& origin, const glm::dvec3& direction,
+                               const Hit& hit) const {
+    return hit ? emitters_.density(hit->triangle, origin, direction) : 0.0;
 }
 
-glm::dvec3 Tracer::seen_along(const glm::dvec3& origin, const glm::dvec3& direction,
-                              PathRandom& random) const {
-    return arriving(origin, direction, std::numeric_limits<double>::infinity(), random);
+// Directions towards emitters count only if their ray meets the sampled triangle first.
+double Tracer::shared_density(const LitPoint& point, const glm::dvec3& direction,
+                              const Hit& hit) const {
+    return shared_.environment * light_.environment->density(direction) +
+           shared_.emitters * emitter_density(start_of(point), direction, hit) +
+           (1.0 - shared_.environment - shared_.emitters) *
+               cosine_density(glm::dot(point.normal, direction));
 }
 
 Tracer::Incoming Tracer::incoming(const LitPoint& point, PathRandom& random) const {
-    const bool far = random.next() < 0.5;
+    const double choice = random.next();
     const glm::dvec2 x = random.next2();
-    const glm::dvec3 l =
-        far ? light_.environment->sample(x).direction : sample_cosine(point.normal, x);
-    Incoming found{l, glm::dvec3(0.0), shared_density(point, l)};
-    if (glm::dot(l, point.normal) > 0.0 && glm::dot(l, point.face) > 0.0)
-        found.light = seen_along(start_of(point), l, random);
+    const glm::dvec3 start = start_of(point);
+    Incoming found{sample_cosine(point.normal, x), glm::dvec3(0.0), 1.0};
+    std::optional<std::uint32_t> emitter;
+    if (choice < shared_.environment) {
+        found.direction = light_.environment->sample(x).direction;
+    } else if (choice < shared_.environment + shared_.emitters) {
+        const EmitterSample near = emitters_.sample(start, x);
+        if (largest_channel(near.light) <= 0.0)
+            return found;
+        found.direction = near.direction;
+        emitter = near.triangle;
+    }
+    if (glm::dot(found.direction, point.normal) <= 0.0 ||
+        glm::dot(found.direction, point.face) <= 0.0)
+        return found;
+    const Hit hit = model_->first_hit(start, found.direction);
+    if (emitter && !(hit && hit->triangle == *emitter))
+        return found;
+    found.light = arriving(start, found.direction, hit, infinite, random);
+    found.density = shared_density(point, found.direction, hit);
     return found;
 }
 
@@ -162,17 +202,19 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
     // shared_density() needs `point` itself, which is the same for all views.
     const LitPoint faced = facing(point, view);
     const SpecularLobe lobe{faced, view};
+    const glm::dvec3 start = start_of(point);
     glm::dvec3 sum(0.0);
     if (light_.sun) {
         const glm::dvec3 share = lobe(light_.sun->direction).share;
-        if (largest_channel(share) > 0.0 &&
-            !model_->is_blocked(start_of(point), light_.sun->direction))
+        if (largest_channel(share) > 0.0 && !model_->is_blocked(start, light_.sun->direction))
             sum += share * light_.sun->irradiance / own;
     }
     const glm::dvec3 l = sample_ggx(faced.lobes.alpha, faced.normal, view, random.next2());
-    if (const Thrown thrown = lobe(l); thrown.density > 0.0)
-        sum += thrown.share * seen_along(start_of(point), l, random) /
-               (shared * shared_density(point, l) + own * thrown.density);
+    if (const Thrown thrown = lobe(l); thrown.density > 0.0) {
+        const Hit hit = model_->first_hit(start, l);
+        sum += thrown.share * arriving(start, l, hit, infinite, random) /
+               (shared * shared_density(point, l, hit) + own * thrown.density);
+    }
     return sum;
 }
 
@@ -182,22 +224,23 @@ glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
            specular(point, view, random);
 }
 
-glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, double density,
+glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, double density,
                             PathRandom& random) const {
     glm::dvec3 sum(0.0), share(1.0);
-    for (int bounce = 0; bounce < most_bounces; ++bounce) {
-        const auto hit = model_->first_hit(origin, direction);
+    // Divides light by it: the weight of the balance heuristic. direct() adds the rest.
+    const auto divisor = [&](double light_density) {
+        return std::isinf(density) ? 1.0 : 1.0 + light_density / density;
+    };
+    for (int bounce = 0;;) {
         if (!hit) {
-            // The weight of the balance heuristic; direct() adds the rest. An infinite density
-            // means that no light was sampled.
-            const double other =
-                std::isinf(density) ? 0.0 : light_.environment->density(direction) / density;
-            return sum + share * light_.environment->light(direction) / (1.0 + other);
+            return sum + share * light_.environment->light(direction) /
+                             divisor(light_.environment->density(direction));
         }
         const glm::dvec3 view = -direction;
         LitPoint p = facing(model_->point(*hit), view);
         p.lobes.alpha = std::max(p.lobes.alpha, least_alpha);
-        sum += share * p.emission;
+        if (largest_channel(p.emission) > 0.0)
+            sum += share * p.emission / divisor(emitter_density(origin, direction, hit));
         const BothLobes lobes = both_lobes(p, view);
         sum += share * direct(p, lobes, random);
         const glm::dvec3 l = sample_both(lobes, random);
@@ -211,11 +254,13 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, double dens
                 return sum;
             share /= chance;
         }
+        if (++bounce == most_bounces)
+            return sum;
         origin = start_of(p);
         direction = l;
         density = thrown.density;
+        hit = model_->first_hit(origin, direction);
     }
-    return sum;
 }
 
 } // namespace tessera::corpus

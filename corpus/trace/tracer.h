@@ -1,6 +1,7 @@
 // Path tracing of the light that arrives at a model and leaves it.
 #pragma once
 
+#include "corpus/trace/emitters.h"
 #include "corpus/trace/environment.h"
 #include "corpus/trace/path_random.h"
 #include "corpus/trace/ray_model.h"
@@ -20,12 +21,10 @@ struct ModelLight {
 
 // A model in its light. Each function returns the estimate of one path. Estimates are unbiased with
 // one exception: indirectly seen places have a roughness of at least 0.3, because otherwise a few
-// paths would be very bright. Paths meet emitting surfaces only by chance. Immutable and
-// thread-safe.
+// paths would be very bright. Immutable and thread-safe.
 class Tracer {
 public:
-    Tracer(std::shared_ptr<const RayModel> model, ModelLight light)
-        : model_(std::move(model)), light_(std::move(light)) {}
+    Tracer(std::shared_ptr<const RayModel> model, ModelLight light);
 
     const RayModel& model() const { return *model_; }
 
@@ -53,19 +52,32 @@ public:
     static LitPoint facing(LitPoint point, const glm::dvec3& view);
 
 private:
-    // All light along a ray, including all light of the environment.
-    glm::dvec3 seen_along(const glm::dvec3& origin, const glm::dvec3& direction,
-                          PathRandom& random) const;
-    double shared_density(const LitPoint& point, const glm::dvec3& direction) const;
-    // Light along a ray whose direction was sampled with this density, without the share of the
-    // environment that direct() counts.
-    glm::dvec3 arriving(glm::dvec3 origin, glm::dvec3 direction, double density,
+    using Hit = std::optional<ModelPlace>;
+    // How shared paths choose their directions. The rest follows the cosine around the normal.
+    struct Shares {
+        double environment = 0.5, emitters = 0.0;
+    };
+
+    double shared_density(const LitPoint& point, const glm::dvec3& direction, const Hit& hit) const;
+    // The density with which emitters_ samples the direction, whose ray meets `hit`.
+    double emitter_density(const glm::dvec3& origin, const glm::dvec3& direction,
+                           const Hit& hit) const;
+    // Light along a ray that meets `hit`. Its direction was sampled with this density. Without the
+    // share of the environment and of emission at `hit` that direct() counts. An infinite density
+    // means that direct() was not called.
+    glm::dvec3 arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, double density,
                         PathRandom& random) const;
+    // The same, plus direct().
+    template <class Lobe>
+    glm::dvec3 reflected(const LitPoint& point, const Lobe& lobe, const glm::dvec3& sampled,
+                         PathRandom& random) const;
     template <class Lobe>
     glm::dvec3 direct(const LitPoint& point, const Lobe& lobe, PathRandom& random) const;
 
     std::shared_ptr<const RayModel> model_;
     ModelLight light_;
+    Emitters emitters_;
+    Shares shared_;
 };
 
 } // namespace tessera::corpus

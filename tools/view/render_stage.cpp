@@ -12,6 +12,8 @@
 #include "tools/view/mesh_renderer.h"
 #include "tools/view/outside_colour.h"
 
+#include <algorithm>
+
 namespace tessera {
 namespace {
 
@@ -23,6 +25,9 @@ constexpr unsigned mesh_rays = 4;
 
 constexpr unsigned usual_truth_rays = 16;
 constexpr unsigned usual_model_paths = 512;
+// Display values are clipped after the paths of a ray have been averaged. Without several paths per
+// ray, bright places would become too dark.
+constexpr unsigned least_paths_per_ray = 4;
 
 // Path traces the model, with the light and materials in the file's metadata.
 Status add_model_truth(const StageRequest& r, const Metadata& metadata,
@@ -36,7 +41,7 @@ Status add_model_truth(const StageRequest& r, const Metadata& metadata,
     TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(r.truth, arguments));
     RenderOptions options = asked;
     const unsigned paths = r.truth_samples.value_or(usual_model_paths);
-    options.rays = std::min(mesh_rays, paths);
+    options.rays = std::clamp(paths / least_paths_per_ray, 1u, mesh_rays);
     TESSERA_TRY_ASSIGN(const auto truth,
                        corpus::make_model_truth(std::move(file.model), std::move(file.light),
                                                 file.display,
