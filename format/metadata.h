@@ -20,7 +20,7 @@ inline constexpr const char* library_version = "0.1.0";
 
 // The version of FORMAT.md that is written, and the only one that is read.
 inline constexpr std::uint16_t format_version_major = 0;
-inline constexpr std::uint16_t format_version_minor = 4;
+inline constexpr std::uint16_t format_version_minor = 5;
 
 // Keys (UTF-8, 1..255 bytes, no NUL) and their values (UTF-8, up to 1 MiB, no NUL), sorted by the
 // bytes of the keys.

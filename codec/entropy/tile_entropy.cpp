@@ -33,6 +33,10 @@ struct StatisticsVisitor {
         statistics.chain(mode_offset + context * (mode_symbols - 1), mode_symbols - 1, mode_symbols,
                          symbol);
     }
+    void transform(int context, int kind) {
+        statistics.chain(transform_offset + context * (transform_kinds - 1), transform_kinds - 1,
+                         transform_kinds, kind);
+    }
     void base(bool has_base) { statistics.decide(base_offset, has_base); }
     void from_base(bool before, bool copies) {
         statistics.decide(from_base_offset + before, copies);
@@ -82,6 +86,9 @@ struct CodingVisitor {
     }
     void mode(int context, int symbol) {
         tables.mode[static_cast<std::size_t>(context)].encode(coder, symbol);
+    }
+    void transform(int context, int kind) {
+        tables.transform[static_cast<std::size_t>(context)].encode(coder, kind);
     }
     void base(bool has_base) { tables.base.encode(coder, has_base); }
     void from_base(bool before, bool copies) { tables.from_base[before].encode(coder, copies); }

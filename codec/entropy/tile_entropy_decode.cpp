@@ -125,6 +125,8 @@ private:
                 previous = token;
                 if (!decode_colour(length))
                     return false;
+                if (length > 0 && out_.is_predicted(index))
+                    decode_transform(block.shape, out_.predictions[index]);
             }
             if (length > 0 && !decode_plane(first_plane, plane, out_.copies(index), shape.order))
                 return false;
@@ -155,6 +157,12 @@ private:
         }
         out_.colours.push_back(colour);
         return true;
+    }
+
+    void decode_transform(const BlockShape& shape, BlockPrediction& prediction) {
+        if (const int context = transform_context(prediction.mode, shape); context >= 0)
+            prediction.transform = static_cast<BlockTransform>(
+                coding_.tables.transform[static_cast<std::size_t>(context)].decode(rans_));
     }
 
     bool decode_plane(std::size_t first_plane, int plane, bool copies, const ScanOrder& order) {

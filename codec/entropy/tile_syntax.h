@@ -5,7 +5,7 @@
 //   displacement(class, token), base(has one), from_base(block before does, copies),
 //   base_displacement(token), mode(context, symbol), first_length(context, token),
 //   other_length(previous, token), colour(context, kind), share(plane, token),
-//   zero(parameter index, is_zero), magnitude(table, token),
+//   transform(context, kind), zero(parameter index, is_zero), magnitude(table, token),
 //   raw(value, bits)
 #pragma once
 
@@ -129,6 +129,8 @@ public:
                 previous = token;
                 if (length > 0 && coding_.rotates)
                     walk_colour(tile.colours[block]);
+                if (length > 0 && tile.is_predicted(block))
+                    walk_transform(tile.predictions[block], shape);
             }
             if (length > 0)
                 walk_plane(tile, tile.copies(block), {levels, static_cast<std::size_t>(plane) + 1},
@@ -150,6 +152,11 @@ private:
                 walk_difference(token, difference);
             }
         last_colour_.remember(colour);
+    }
+
+    void walk_transform(const BlockPrediction& prediction, const BlockShape& shape) {
+        if (const int context = transform_context(prediction.mode, shape); context >= 0)
+            visitor_.transform(context, static_cast<int>(prediction.transform));
     }
 
     void walk_node(const TileLevels& tile, const Block& node, std::size_t& next) {

@@ -65,26 +65,87 @@ void inverse_columns(const PairTable& table, int support, int n, Load load_any, 
     }
 }
 
-void inverse_planes_avx2(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
-    const PairTable& table = pair_table(n);
+// The same with sines.
+template <class Load, class Store>
+void sine_columns(const SinePairs& table, int support, int n, Load load_any, Store store) {
+    const int pairs = (support + 1) / 2;
+    const __m256i zero = _mm256_setzero_si256();
+    const auto load = [&](int k) { return k < support ? clamp_lanes(load_any(k)) : zero; };
+    __m256i high[max_sine_side / 2], low[max_sine_side / 2];
+    for (int p = 0; p < pairs; ++p) {
+        const __m256i a = load(2 * p), b = load(2 * p + 1);
+        high[p] = pack_high(a, b);
+        low[p] = pack_low(a, b);
+    }
+    for (int x = 0; x < n; ++x) {
+        __m256i h = zero, l = zero;
+        for (int p = 0; p < pairs; ++p) {
+            const __m256i c = _mm256_set1_epi32(table.next[p][x]);
+            h = _mm256_add_epi32(h, _mm256_madd_epi16(high[p], c));
+            l = _mm256_add_epi32(l, _mm256_madd_epi16(low[p], c));
+        }
+        store(x, combine_lanes(h, l, zero));
+    }
+}
+
+// Calls transform(load, store) for every eight of `inner` columns.
+template <class Transform>
+void for_eight_columns(const std::int32_t* in, std::int32_t* out, int inner, Transform transform) {
     if (inner < lanes) {
         const __m256i mask = lane_mask(inner);
-        inverse_columns(
-            table, support, n, [&](int k) { return _mm256_maskload_epi32(in + k * inner, mask); },
+        transform(
+            [&](int k) { return _mm256_maskload_epi32(in + k * inner, mask); },
             [&](int x, __m256i value) { _mm256_maskstore_epi32(out + x * inner, mask, value); });
         return;
     }
     for (int begin = 0; begin < inner; begin += lanes) {
         // The last vector overlaps the one before it, so that it is full.
         const int i = begin + lanes <= inner ? begin : inner - lanes;
-        inverse_columns(
-            table, support, n,
+        transform(
             [&](int k) {
                 return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(in + k * inner + i));
             },
             [&](int x, __m256i value) {
                 _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + x * inner + i), value);
             });
+    }
+}
+
+void inverse_planes_avx2(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
+    const PairTable& table = pair_table(n);
+    for_eight_columns(in, out, inner, [&](auto load, auto store) {
+        inverse_columns(table, support, n, load, store);
+    });
+}
+
+void sine_planes_avx2(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
+    const SinePairs& table = sine_pairs(n);
+    for_eight_columns(in, out, inner,
+                      [&](auto load, auto store) { sine_columns(table, support, n, load, store); });
+}
+
+void sine_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
+    const SinePairs& table = sine_pairs(n);
+    const int pairs = (support + 1) / 2;
+    for (int r = 0; r < rows; ++r, in += support, out += n) {
+        std::int32_t high[max_sine_side / 2], low[max_sine_side / 2];
+        for (int p = 0; p < pairs; ++p) {
+            const std::int32_t a = clamped(in[2 * p]);
+            const std::int32_t b = 2 * p + 1 < support ? clamped(in[2 * p + 1]) : 0;
+            high[p] = packed(a >> low_bits, b >> low_bits);
+            low[p] = packed(a & low_mask, b & low_mask);
+        }
+        for (int x = 0; x < n; x += lanes) {
+            __m256i h = _mm256_setzero_si256(), l = _mm256_setzero_si256();
+            for (int p = 0; p < pairs; ++p) {
+                const __m256i c =
+                    _mm256_load_si256(reinterpret_cast<const __m256i*>(table.next[p] + x));
+                h = _mm256_add_epi32(h, _mm256_madd_epi16(_mm256_set1_epi32(high[p]), c));
+                l = _mm256_add_epi32(l, _mm256_madd_epi16(_mm256_set1_epi32(low[p]), c));
+            }
+            _mm256_maskstore_epi32(out + x, lane_mask(n - x),
+                                   combine_lanes(h, l, _mm256_setzero_si256()));
+        }
     }
 }
 

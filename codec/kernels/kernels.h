@@ -94,6 +94,10 @@ struct Kernels {
     void (*inverse_planes)(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner);
 
+    // The same two passes with sine_basis(n), for n <= max_sine_side.
+    void (*sine_rows)(const std::int32_t* in, std::int32_t* out, int rows, int support, int n);
+    void (*sine_planes)(const std::int32_t* in, std::int32_t* out, int support, int n, int inner);
+
     // Rotates `count` coefficients of three planes back to Y, Co, Cg (FORMAT.md 4.4).
     void (*unrotate)(std::int32_t* const planes[3], int count, const RotationMatrix& matrix);
 

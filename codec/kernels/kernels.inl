@@ -5,6 +5,7 @@
 
 #include "format/tile/base_picture.h"
 #include "format/tile/dct_basis.h"
+#include "format/tile/sine_basis.h"
 
 namespace tessera {
 namespace {
@@ -52,8 +53,8 @@ inline void row_chunk(const std::int32_t* in, std::int32_t* out, int support, co
         out[i] = combine(high[i], low[i]);
 }
 
-void inverse_rows(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
-    const std::int32_t* b = basis(n);
+void rows_with_basis(const std::int32_t* in, std::int32_t* out, int rows, int support,
+                     const std::int32_t* b, int n) {
     for (int r = 0; r < rows; ++r, in += support, out += n) {
         int x = 0;
         for (; x + lanes <= n; x += lanes)
@@ -61,6 +62,12 @@ void inverse_rows(const std::int32_t* in, std::int32_t* out, int rows, int suppo
         if (x < n)
             row_chunk<0>(in, out + x, support, b + x, n, n - x);
     }
+}
+void inverse_rows(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
+    rows_with_basis(in, out, rows, support, basis(n), n);
+}
+void sine_rows(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
+    rows_with_basis(in, out, rows, support, sine_basis(n), n);
 }
 
 // Outputs x and n - 1 - x share their products because basis rows are even or odd about the middle.
@@ -104,6 +111,40 @@ void inverse_planes_part(const std::int32_t* in, std::int32_t* out, int support,
 
 void inverse_planes(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
     inverse_planes_part(in, out, support, n, inner, 0);
+}
+
+// Rows of the sine basis have no symmetry, so each output has products of its own.
+template <int width>
+inline void sine_chunk(const std::int32_t* in, std::int32_t* out, int support, int n, int inner,
+                       const std::int32_t* b, int count) {
+    const int w = width > 0 ? width : count;
+    for (int x = 0; x < n; ++x) {
+        std::uint32_t high[lanes] = {}, low[lanes] = {};
+        for (int k = 0; k < support; ++k) {
+            const std::int32_t* row = in + k * inner;
+            const std::uint32_t c = wide(b[k * n + x]);
+            for (int i = 0; i < w; ++i) {
+                const std::int32_t value = clamped(row[i]);
+                high[i] += wide(value >> low_bits) * c;
+                low[i] += wide(value & low_mask) * c;
+            }
+        }
+        for (int i = 0; i < w; ++i)
+            out[x * inner + i] = combine(high[i], low[i]);
+    }
+}
+void sine_planes_part(const std::int32_t* in, std::int32_t* out, int support, int n, int inner,
+                      int begin) {
+    const std::int32_t* b = sine_basis(n);
+    int i = begin;
+    for (; i + lanes <= inner; i += lanes)
+        sine_chunk<lanes>(in + i, out + i, support, n, inner, b, lanes);
+    if (i < inner)
+        sine_chunk<0>(in + i, out + i, support, n, inner, b, inner - i);
+}
+
+void sine_planes(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
+    sine_planes_part(in, out, support, n, inner, 0);
 }
 
 // Rotates `width` coefficients from index i on. Most are 0.
@@ -388,6 +429,8 @@ constexpr Kernels make_kernels(const char* name) {
     return {.name = name,
             .inverse_rows = inverse_rows,
             .inverse_planes = inverse_planes,
+            .sine_rows = sine_rows,
+            .sine_planes = sine_planes,
             .unrotate = unrotate<1>,
             .put_block = put_block,
             .add_copies = add_copies,

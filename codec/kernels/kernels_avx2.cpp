@@ -34,6 +34,8 @@ constexpr Kernels make_avx2_kernels() {
     Kernels k = make_kernels("avx2");
     k.inverse_rows = inverse_rows_avx2;
     k.inverse_planes = inverse_planes_avx2;
+    k.sine_rows = sine_rows_avx2;
+    k.sine_planes = sine_planes_avx2;
     k.unrotate = unrotate<lanes>;
     k.put_block = put_block_avx2;
     k.copy_rows = copy_rows_avx2;

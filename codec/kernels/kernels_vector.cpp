@@ -226,6 +226,36 @@ void filter_view_vector(const FilterView<std::int16_t>& in, const FilterTaps& ta
 }
 
 #ifdef TESSERA_PAIR_PRODUCTS
+// Four columns of frequency k; 0 past the support.
+inline Int4 clamped_column(const std::int32_t* in, int support, int inner, int k, int i) {
+    return k < support ? most(least(load_vector<Int4>(in + k * inner + i),
+                                    Int4{} + (coefficient_limit - 1)),
+                              Int4{} - coefficient_limit)
+                       : Int4{};
+}
+
+// Parts of the coefficients of two frequencies, one in each half of a lane.
+struct ColumnParts {
+    Int4 high, low;
+};
+inline ColumnParts parts_of(Int4 a, Int4 b) {
+    return {((a >> low_bits) & 0xFFFF) | ((b >> low_bits) << 16),
+            (a & low_mask) | ((b & low_mask) << 16)};
+}
+
+struct ColumnSums {
+    UInt4 high{}, low{};
+    void add(const ColumnParts& values, std::int32_t pair) {
+        high += UInt4(pair_products(values.high, Int4{} + pair));
+        low += UInt4(pair_products(values.low, Int4{} + pair));
+    }
+};
+// `whole`: see pair_table.inl.
+inline Int4 rounded(UInt4 high, UInt4 low, UInt4 whole) {
+    const Int4 carry = Int4(low + (1u << (basis_bits - 1))) >> low_bits;
+    return Int4(high + UInt4(carry) + (whole << 4)) >> 4;
+}
+
 // Like inverse_planes_avx2, four columns at a time.
 void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner) {
@@ -233,45 +263,23 @@ void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int suppor
     const int even_pairs = (support + 1) / 4, odd_pairs = (support + 2) / 4;
     int i = 0;
     for (; i + 4 <= inner; i += 4) {
-        const auto column = [&](int k) {
-            return k < support ? most(least(load_vector<Int4>(in + k * inner + i),
-                                            Int4{} + (coefficient_limit - 1)),
-                                      Int4{} - coefficient_limit)
-                               : Int4{};
-        };
-        // Parts of the coefficients of frequencies k and k + 2, one in each half of a lane.
-        struct Parts {
-            Int4 high, low;
-        };
-        struct Sums {
-            UInt4 high{}, low{};
-        };
-        const auto parts = [&](int k) {
-            const Int4 a = column(k), b = column(k + 2);
-            return Parts{((a >> low_bits) & 0xFFFF) | ((b >> low_bits) << 16),
-                         (a & low_mask) | ((b & low_mask) << 16)};
-        };
-        Parts even[max_pairs], odd[max_pairs];
+        const auto column = [&](int k) { return clamped_column(in, support, inner, k, i); };
+        ColumnParts even[max_pairs], odd[max_pairs];
         for (int p = 0; p < even_pairs; ++p)
-            even[p] = parts(4 * p + 2);
+            even[p] = parts_of(column(4 * p + 2), column(4 * p + 4));
         for (int p = 0; p < odd_pairs; ++p)
-            odd[p] = parts(4 * p + 1);
+            odd[p] = parts_of(column(4 * p + 1), column(4 * p + 3));
         const auto dc = UInt4(column(0));
         const auto store = [&](int x, UInt4 high, UInt4 low, UInt4 whole) {
-            const Int4 carry = Int4(low + (1u << (basis_bits - 1))) >> low_bits;
-            const Int4 value = Int4(high + UInt4(carry) + (whole << 4)) >> 4;
+            const Int4 value = rounded(high, low, whole);
             __builtin_memcpy(out + x * inner + i, &value, sizeof value);
         };
         for (int x = 0; x <= n - 1 - x; ++x) {
-            Sums e, o;
-            const auto add = [](Sums& sum, const Parts& values, std::int32_t pair) {
-                sum.high += UInt4(pair_products(values.high, Int4{} + pair));
-                sum.low += UInt4(pair_products(values.low, Int4{} + pair));
-            };
+            ColumnSums e, o;
             for (int p = 0; p < even_pairs; ++p)
-                add(e, even[p], table.even[x][p]);
+                e.add(even[p], table.even[x][p]);
             for (int p = 0; p < odd_pairs; ++p)
-                add(o, odd[p], table.odd[x][p]);
+                o.add(odd[p], table.odd[x][p]);
             UInt4 whole = dc;
             for (unsigned left = table.whole[x]; left != 0; left &= left - 1)
                 whole += UInt4(column(4 * __builtin_ctz(left) + 4));
@@ -282,12 +290,35 @@ void inverse_planes_vector(const std::int32_t* in, std::int32_t* out, int suppor
     if (i < inner)
         inverse_planes_part(in, out, support, n, inner, i);
 }
+
+// Like sine_planes_avx2, four columns at a time.
+void sine_planes_vector(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
+    const SinePairs& table = sine_pairs(n);
+    const int pairs = (support + 1) / 2;
+    int i = 0;
+    for (; i + 4 <= inner; i += 4) {
+        const auto column = [&](int k) { return clamped_column(in, support, inner, k, i); };
+        ColumnParts parts[max_sine_side / 2];
+        for (int p = 0; p < pairs; ++p)
+            parts[p] = parts_of(column(2 * p), column(2 * p + 1));
+        for (int x = 0; x < n; ++x) {
+            ColumnSums sum;
+            for (int p = 0; p < pairs; ++p)
+                sum.add(parts[p], table.next[p][x]);
+            const Int4 value = rounded(sum.high, sum.low, UInt4{});
+            __builtin_memcpy(out + x * inner + i, &value, sizeof value);
+        }
+    }
+    if (i < inner)
+        sine_planes_part(in, out, support, n, inner, i);
+}
 #endif
 
 constexpr Kernels make_vector_kernels() {
     Kernels k = make_kernels("vector");
 #ifdef TESSERA_PAIR_PRODUCTS
     k.inverse_planes = inverse_planes_vector;
+    k.sine_planes = sine_planes_vector;
 #endif
     k.store_ycocg8 = store_ycocg8_vector;
     k.filter_view = filter_view_vector;

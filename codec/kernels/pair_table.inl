@@ -61,5 +61,29 @@ const PairTable& pair_table(int n) {
     return tables.of[n];
 }
 
+// The sine basis, whose values all fit 16 bits, in pairs: next[p][x] holds frequencies 2p and 2p + 1.
+// They are 0 past n.
+struct SinePairs {
+    alignas(32) std::int32_t next[max_sine_side / 2][max_sine_side];
+};
+
+struct AllSinePairs {
+    SinePairs of[max_sine_side + 1];
+    AllSinePairs() {
+        for (int n = 1; n <= max_sine_side; ++n) {
+            const std::int32_t* b = sine_basis(n);
+            const auto at = [&](int k, int x) { return k < n && x < n ? b[k * n + x] : 0; };
+            for (int p = 0; p < max_sine_side / 2; ++p)
+                for (int x = 0; x < max_sine_side; ++x)
+                    of[n].next[p][x] = packed(at(2 * p, x), at(2 * p + 1, x));
+        }
+    }
+};
+
+const SinePairs& sine_pairs(int n) {
+    static const AllSinePairs pairs;
+    return pairs.of[n];
+}
+
 } // namespace
 } // namespace tessera

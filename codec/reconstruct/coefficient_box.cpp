@@ -38,7 +38,7 @@ bool CoefficientBox::columns_run_fastest() const {
 
 void CoefficientBox::dequantize(std::span<const NonZero> levels, const ScanOrder& order,
                                 const ScaleSet& scales, const ReconstructionOffsets& offsets,
-                                std::vector<std::int32_t>& box) const {
+                                SineAxes sines, std::vector<std::int32_t>& box) const {
     const bool columns_first = columns_run_fastest();
     const int u_step = columns_first ? count_ : 1, v_step = u_step * support_[0];
     const int column_step = columns_first ? 1 : support_[0] * support_[1];
@@ -47,7 +47,7 @@ void CoefficientBox::dequantize(std::span<const NonZero> levels, const ScanOrder
     for (const NonZero& nz : levels) {
         const ScanEntry& entry = order.entry[nz.index];
         const auto& k = entry.k;
-        const int axes = (k[0] > 0) + (k[1] > 0) + (k[2] > 0) + (k[3] > 0);
+        const int axes = (k[0] > 0 || sines.u) + (k[1] > 0 || sines.v) + (k[2] > 0) + (k[3] > 0);
         const std::int32_t magnitude = tessera::dequantize(
             std::abs(nz.level), scales[static_cast<std::size_t>(axes)], offsets);
         const int column = column_of_[static_cast<std::size_t>(view_of(entry))];
@@ -75,8 +75,8 @@ void CoefficientBox::spread_columns(const std::int32_t* columns, int page,
 }
 
 // The pass along u comes first: the innermost axis grows while the others are still small.
-void CoefficientBox::transform(const BlockShape& shape, std::vector<std::int32_t>& a,
-                               std::vector<std::int32_t>& b) const {
+void CoefficientBox::transform(const BlockShape& shape, SineAxes sines,
+                               std::vector<std::int32_t>& a, std::vector<std::int32_t>& b) const {
     const auto& n = shape.n;
     const Kernels& k = kernels();
     b.resize(std::max(b.size(), static_cast<std::size_t>(shape.texels())));
@@ -85,17 +85,19 @@ void CoefficientBox::transform(const BlockShape& shape, std::vector<std::int32_t
     const auto pass = [&](std::size_t axis, int outer, int inner) {
         if (n[axis] == 1)
             return;
+        const auto planes = axis == 1 && sines.v ? k.sine_planes : k.inverse_planes;
         for (int o = 0; o < outer; ++o)
-            k.inverse_planes(from + o * support_[axis] * inner, to + o * n[axis] * inner,
-                             support_[axis], n[axis], inner);
+            planes(from + o * support_[axis] * inner, to + o * n[axis] * inner, support_[axis],
+                   n[axis], inner);
         std::swap(from, to);
     };
-    if (columns_run_fastest()) {
+    if (columns_run_fastest()) { // never in a block with sines, which has one column
         pass(0, support_[1], count_);
         pass(1, 1, n[0] * count_);
     } else {
         if (n[0] > 1) {
-            k.inverse_rows(from, to, support_[1] * count_, support_[0], n[0]);
+            const auto rows = sines.u ? k.sine_rows : k.inverse_rows;
+            rows(from, to, support_[1] * count_, support_[0], n[0]);
             std::swap(from, to);
         }
         pass(1, count_, n[0]);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "codec/tile/tile_levels.h"
+#include "format/tile/block_transform.h"
 #include "format/tile/dequantizer.h"
 #include "format/tile/limits.h"
 #include "format/tile/scan_order.h"
@@ -36,11 +37,12 @@ public:
         return column < 0 || columns_run_fastest() ? column : column * support_[0] * support_[1];
     }
     // Dequantises a plane into `box` in the order that transform() expects, with room for all
-    // passes.
+    // passes. Blocks with sines have one view.
     void dequantize(std::span<const NonZero> levels, const ScanOrder& order, const ScaleSet& scales,
-                    const ReconstructionOffsets& offsets, std::vector<std::int32_t>& box) const;
+                    const ReconstructionOffsets& offsets, SineAxes sines,
+                    std::vector<std::int32_t>& box) const;
     // Transforms coefficients in `a` to values in `a`, dense in block order. `b` is scratch memory.
-    void transform(const BlockShape& shape, std::vector<std::int32_t>& a,
+    void transform(const BlockShape& shape, SineAxes sines, std::vector<std::int32_t>& a,
                    std::vector<std::int32_t>& b) const;
 
 private:

@@ -31,6 +31,8 @@ public:
           planes_(is_of_base_ ? planes.base : planes.plane),
           levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)),
           prediction_(tile.is_predicted(index) ? &tile.predictions[index] : nullptr),
+          sines_(prediction_ != nullptr ? sine_axes(prediction_->transform, block_.shape)
+                                        : SineAxes{}),
           limit_(tile.predictions.empty() ? no_limit : value_limit(coding.type)) {}
 
     void run() {
@@ -59,7 +61,8 @@ private:
         const ScaleSet& scales = coding_.scales(shape_, plane, colour_);
         scratch_.box.dequantize(
             levels(plane), shape_.order, fineness_ != 0 ? finer_scales(scales, fineness_) : scales,
-            coding_.parameters.offsets[static_cast<std::size_t>(plane_class(plane))], values);
+            coding_.parameters.offsets[static_cast<std::size_t>(plane_class(plane))], sines_,
+            values);
     }
 
     void mixed_planes() {
@@ -93,12 +96,13 @@ private:
     // Transforms the coefficients in scratch_.a to the block's texels.
     void finish(int plane) {
         const int shift = fraction_bits(coding_.type) - value_bits(coding_.type);
-        // The passes would copy a lone DC coefficient within their range to all texels.
-        if (scratch_.box.is_constant() && std::abs(scratch_.a[0]) < coefficient_limit) {
+        // Passes with cosines would copy a lone DC coefficient within their range to all texels.
+        if (scratch_.box.is_constant() && !sines_.any() &&
+            std::abs(scratch_.a[0]) < coefficient_limit) {
             finish_constant(plane, (scratch_.a[0] + (1 << (shift - 1))) >> shift);
             return;
         }
-        scratch_.box.transform(block_.shape, scratch_.a, scratch_.b);
+        scratch_.box.transform(block_.shape, sines_, scratch_.a, scratch_.b);
         if (prediction_ != nullptr) {
             add_prediction(plane, shift);
             return;
@@ -166,7 +170,8 @@ private:
     std::array<std::vector<std::int32_t>, max_planes>& planes_; // of picture_
     const PlaneLevels* const levels_;
     const BlockPrediction* const prediction_; // null if the block is not predicted
-    const std::int32_t limit_;                // for blocks without prediction
+    const SineAxes sines_;
+    const std::int32_t limit_; // for blocks without prediction
 };
 
 } // namespace

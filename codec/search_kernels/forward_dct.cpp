@@ -1,5 +1,7 @@
 #include "codec/search_kernels/forward_dct.h"
 
+#include "format/tile/block_transform.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,6 +23,17 @@ std::vector<float> make_table(int n) {
     return table;
 }
 
+std::vector<float> make_sine_table(int n) {
+    std::vector<float> table;
+    for (int x = 0; x < n; ++x)
+        for (int k = 0; k < n; ++k)
+            table.push_back(static_cast<float>(
+                std::sin((2 * k + 1) * (x + 1) * std::numbers::pi / (2 * n + 1)) *
+                std::sqrt(4.0 / (2 * n + 1))));
+    table.resize(table.size() + read_behind_basis);
+    return table;
+}
+
 } // namespace
 
 // Tables are computed on first use because computing all 64 would take 2 ms.
@@ -33,6 +46,16 @@ const float* make_forward_basis(int n) {
         table = make_table(n);
     forward_bases[static_cast<std::size_t>(n)].store(table.data(), std::memory_order_release);
     return table.data();
+}
+
+const float* forward_sines(int n) {
+    static const auto tables = [] {
+        std::array<std::vector<float>, max_sine_side + 1> all;
+        for (int n = 1; n <= max_sine_side; ++n)
+            all[static_cast<std::size_t>(n)] = make_sine_table(n);
+        return all;
+    }();
+    return tables[static_cast<std::size_t>(n)].data();
 }
 
 std::vector<Segment> axis_segments(int side, int depth) {
@@ -63,6 +86,14 @@ void forward_axis(const float* in, float* out, const BlockShape& block, int axis
         for (int o = 0; o < outer; ++o)
             k.forward_planes(in + o * side * inner, inner, out + o * side * inner, inner, side,
                              inner, forward_basis(side));
+}
+
+void forward_sine_axis(const float* in, float* out, const BlockShape& block, int axis) {
+    const int nu = block.n[0], nv = block.n[1];
+    if (axis == 0)
+        search_kernels().plain_rows(in, out, nv, nu, nu, forward_sines(nu));
+    else
+        search_kernels().plain_planes(in, nu, out, nu, nv, nu, forward_sines(nv));
 }
 
 } // namespace tessera

@@ -1,4 +1,4 @@
-// Forward DCT of blocks in floats. It steers only the encoder.
+// Forward transforms of blocks in floats. It steers only the encoder.
 #pragma once
 
 #include "codec/search_kernels/search_kernels.h"
@@ -23,6 +23,9 @@ inline const float* forward_basis(int n) {
     return made != nullptr ? made : make_forward_basis(n);
 }
 
+// Orthonormal DST-VII, likewise. 1 <= n <= max_sine_side. Thread-safe.
+const float* forward_sines(int n);
+
 // A range of coordinates along one axis. Size 0 means that there is no block.
 struct Segment {
     int begin = 0, size = 0;
@@ -32,7 +35,9 @@ struct Segment {
 // paths through the split tree (see children_of).
 std::vector<Segment> axis_segments(int side, int depth);
 
-// Transforms a block along one axis (0 u .. 3 t). `in` and `out` must not overlap.
+// Transforms a block along one axis (0 u .. 3 t), with cosines. `in` and `out` must not overlap.
 void forward_axis(const float* in, float* out, const BlockShape& block, int axis);
+// Transforms a block of one view along u or v with sines.
+void forward_sine_axis(const float* in, float* out, const BlockShape& block, int axis);
 
 } // namespace tessera

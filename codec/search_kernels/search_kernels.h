@@ -108,6 +108,12 @@ struct SearchKernels {
     void (*forward_planes)(const float* in, int in_step, float* out, int out_step, int n, int width,
                            const float* basis_t);
 
+    // The same for any other orthonormal transform, transposed: basis_t[x * n + k].
+    void (*plain_rows)(const float* in, float* out, int rows, int n, int stride,
+                       const float* basis_t);
+    void (*plain_planes)(const float* in, int in_step, float* out, int out_step, int n, int width,
+                         const float* basis_t);
+
     // Transforms a cell along t and then along s, from one plane into another of the same tile.
     void (*forward_views)(const float* in, float* out, const CellViews& cell);
 

@@ -273,6 +273,14 @@ void forward_rows(const float* in, float* out, int rows, int n, int stride, cons
     }
 }
 
+void any_rows(const float* in, float* out, int rows, int n, int stride, const float* basis_t) {
+    plain_rows(in, 1, stride, rows, n, n, basis_t, out, 1, stride);
+}
+void any_planes(const float* in, int in_step, float* out, int out_step, int n, int width,
+                const float* basis_t) {
+    plain_columns(in, in_step, n, n, 0, width, basis_t, out, out_step);
+}
+
 template <int n>
 int forward_planes_split(const float* in, int in_step, float* out, int out_step, int width) {
     int i = 0;
@@ -654,6 +662,8 @@ void subtract_predicted(const float* in, int stride, const std::int32_t* predict
 constexpr SearchKernels make_search_kernels() {
     return {.forward_rows = forward_rows,
             .forward_planes = forward_planes,
+            .plain_rows = any_rows,
+            .plain_planes = any_planes,
             .forward_views = forward_views,
             .forward_image = forward_image,
             .to_matching_units = to_matching_units,

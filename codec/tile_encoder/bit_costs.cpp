@@ -66,6 +66,8 @@ BitCosts::BitCosts(const CodeTables& tables) {
         fill<mode_symbols>(mode[i], tables.mode[i]);
         mode[i][ModeMemory::other_direction] += static_cast<float>(direction_bits);
     }
+    for (std::size_t i = 0; i < transform.size(); ++i)
+        fill<transform_kinds>(transform[i], tables.transform[i]);
     for (std::size_t i = 0; i < prediction.size(); ++i)
         fill<prediction_kinds>(prediction[i], tables.prediction[i]);
     for (std::size_t i = 0; i < displacement_kind.size(); ++i)

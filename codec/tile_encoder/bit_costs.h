@@ -37,6 +37,7 @@ struct BitCosts {
     std::array<std::array<float, colour_kinds>, colour_contexts> colour; // with raw bits
     std::array<std::array<float, share_tokens>, 2> share;                // with raw bits and sign
     std::array<std::array<float, mode_symbols>, mode_contexts> mode;     // with raw bits
+    std::array<std::array<float, transform_kinds>, transform_contexts> transform;
     std::array<std::array<float, prediction_kinds>, prediction_contexts> prediction;
     std::array<std::array<float, displacement_kinds>, 2> displacement_kind;
     std::array<std::array<float, displacement_tokens>, displacement_classes>

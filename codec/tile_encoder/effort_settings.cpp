@@ -37,9 +37,9 @@ constexpr std::array<EffortRow, most_effort + 1> effort_rows = {{
     // grids rotation, dependent, recode; copies; dense tables, refinements, pictures
     {four, off, off, off, 0, 0, 0, 0, off, 0, {}},
     {seven, on, off, on, 0, 0, 0, 0, off, 0, {}},
-    {seven, on, on, on, 8, 4, 24, 1, off, 0, {1, off, off}},
-    {all, on, on, on, 24, 10, 60, 2, on, 1, {2, on, off}},
-    {all, on, on, on, 24, 10, 0, 4, on, 2, {3, on, on}},
+    {seven, on, on, on, 8, 4, 24, 1, off, 0, {1, 0, off, off}},
+    {all, on, on, on, 24, 10, 60, 2, on, 1, {2, 1, on, off}},
+    {all, on, on, on, 24, 10, 0, 4, on, 2, {3, 3, on, on}},
 }};
 // If a tool switch adds copies to an effort that has none.
 constexpr DisplacementRange usual_range{8, 4};
@@ -75,11 +75,15 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.try_smooth = copies && tools.is_on(CodingTool::smooth, level_copies);
     settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);
     if (copies)
-        settings.pictures = level_copies ? level.pictures : PictureSearch{1, off, off};
+        settings.pictures = level_copies ? level.pictures : PictureSearch{1, 0, off, off};
     PictureSearch& pictures = settings.pictures;
     pictures.borders = tools.is_on(CodingTool::borders, true);
     pictures.halves = tools.is_on(CodingTool::picture_splits, pictures.halves);
     pictures.quarters = tools.is_on(CodingTool::picture_splits, pictures.quarters);
+    if (!tools.is_on(CodingTool::sines, pictures.transform_modes > 0))
+        pictures.transform_modes = 0;
+    else
+        pictures.transform_modes = std::max(pictures.transform_modes, 1);
     settings.try_alignment = tools.is_on(CodingTool::align, level_copies);
     settings.balance = tools.is_on(CodingTool::balance, true);
     settings.filter = tools.is_on(CodingTool::filter, level_copies);

@@ -10,10 +10,11 @@ namespace tessera {
 // Figures: codec/DECISIONS.md and tests/regression/results.csv.
 // How pictures are searched (PictureEncoder).
 struct PictureSearch {
-    int coded_modes = 0;   // border modes of a block that are coded in full; 0: no border modes
-    bool halves = false;   // blocks may be halves of squares,
-    bool quarters = false; // ... and quarters, or halves of these
-    bool borders = true;   // blocks are predicted from their borders
+    int coded_modes = 0;     // border modes of a block that are coded in full; 0: no border modes
+    int transform_modes = 0; // the cheapest of these, which are also coded with sines
+    bool halves = false;     // blocks may be halves of squares,
+    bool quarters = false;   // ... and quarters, or halves of these
+    bool borders = true;     // blocks are predicted from their borders
 };
 
 struct EffortSettings {

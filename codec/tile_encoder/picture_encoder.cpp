@@ -89,18 +89,14 @@ PictureEncoder::Node PictureEncoder::encode_whole(const Block& block) {
     const std::size_t tries =
         std::min(candidates_.size(), static_cast<std::size_t>(settings_.pictures.coded_modes));
     for (std::size_t i = 0; i < tries; ++i) {
-        const BorderMode mode = candidates_[i].mode;
-        trial_.clear();
-        blocks_.memory = colours;
-        const float cost =
-            blocks_.encode(search_, block, from_border(mode), decoded_, trial_, best.cost) +
-            mode_cost(block, mode);
-        if (cost >= best.cost)
-            continue;
-        best.cost = cost;
-        best.after.colours = blocks_.memory;
-        std::swap(best.levels, trial_);
-        best.levels.predictions.assign(1, from_border(mode));
+        BlockPrediction prediction = from_border(candidates_[i].mode);
+        const bool tries_sines = static_cast<int>(i) < settings_.pictures.transform_modes &&
+                                 transform_context(prediction.mode, block.shape) >= 0;
+        for (int kind = 0; kind < (tries_sines ? transform_kinds : 1); ++kind) {
+            prediction.transform = static_cast<BlockTransform>(kind);
+            blocks_.memory = colours;
+            offer(block, prediction, best);
+        }
     }
     best.cost += split_cost(block, Split::none);
     best.levels.shape = decoded_.shape;
@@ -109,6 +105,28 @@ PictureEncoder::Node PictureEncoder::encode_whole(const Block& block) {
     best.after.modes = modes_;
     best.after.modes.remember(block, best.levels.predictions[0].mode);
     return best;
+}
+
+// Codes the block with this prediction, and keeps that if it costs less than `best`.
+void PictureEncoder::offer(const Block& block, const BlockPrediction& prediction, Node& best) {
+    trial_.clear();
+    float cost = blocks_.encode(search_, block, prediction, decoded_, trial_, best.cost) +
+                 mode_cost(block, prediction.mode);
+    if (cost >= best.cost)
+        return;
+    const auto kind = static_cast<std::size_t>(prediction.transform);
+    const int context = transform_context(prediction.mode, block.shape);
+    const bool has_symbol = context >= 0 && trial_.planes[0].coded_length != 0;
+    if (has_symbol)
+        cost += bits_cost(costs_.transform[static_cast<std::size_t>(context)][kind]);
+    else if (prediction.transform != BlockTransform::cosine)
+        return; // a decoder would take cosines
+    if (cost >= best.cost)
+        return;
+    best.cost = cost;
+    best.after.colours = blocks_.memory;
+    std::swap(best.levels, trial_);
+    best.levels.predictions.assign(1, prediction);
 }
 
 // Stops early above `limit`.

@@ -40,6 +40,7 @@ private:
 
     Node encode_node(const Block& block, Freedom freedom);
     Node encode_whole(const Block& block);
+    void offer(const Block& block, const BlockPrediction& prediction, Node& best);
     Node encode_parts(const Block& block, Split split, Freedom freedom, float limit);
     void find_candidates(const Block& block);
     float bits_cost(float bits) const { return settings_.quantizer.lambda * bits; }

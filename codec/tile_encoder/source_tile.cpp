@@ -82,6 +82,7 @@ void SourceTile::transform(const Block& block, const BlockPrediction& prediction
     out.copies = prediction.copies();
     out.is_predicted = prediction.is_predicted();
     const auto texels = static_cast<std::size_t>(block.shape.texels());
+    const SineAxes sines = sine_axes(prediction.transform, block.shape);
     for (int p = 0; p < planes; ++p) {
         std::vector<float>& x = out.plane[p];
         // Both buffers only grow, because they are swapped below and growing clears memory.
@@ -92,7 +93,10 @@ void SourceTile::transform(const Block& block, const BlockPrediction& prediction
         for (int axis = out.is_blank[p] ? -1 : 3; axis >= 0; --axis) {
             if (block.shape.n[axis] == 1)
                 continue;
-            forward_axis(x.data(), scratch_.data(), block.shape, axis);
+            if ((axis == 0 && sines.u) || (axis == 1 && sines.v))
+                forward_sine_axis(x.data(), scratch_.data(), block.shape, axis);
+            else
+                forward_axis(x.data(), scratch_.data(), block.shape, axis);
             x.swap(scratch_);
         }
     }

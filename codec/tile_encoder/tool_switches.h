@@ -28,13 +28,29 @@ enum class CodingTool : std::uint8_t {
     borders,        // blocks of pictures are predicted from the texels beside them
     picture_splits, // blocks of pictures are also cut into halves and quarters along u or v
     chroma_from_luma, // Co and Cg of a block are predicted from its luma
+    sines,            // residuals in pictures are transformed with sines or cosines
 };
 
-inline constexpr std::array coding_tool_names = {
-    "copies",    "half",    "rotation",       "ycocg",           "rotated-search",
-    "dependent", "rdo",     "fitted-tables",  "dense-tables",    "grids",
-    "smooth",    "base",    "align",          "filter",          "refine",
-    "balance",   "borders", "picture-splits", "chroma-from-luma"};
+inline constexpr std::array coding_tool_names = {"copies",
+                                                 "half",
+                                                 "rotation",
+                                                 "ycocg",
+                                                 "rotated-search",
+                                                 "dependent",
+                                                 "rdo",
+                                                 "fitted-tables",
+                                                 "dense-tables",
+                                                 "grids",
+                                                 "smooth",
+                                                 "base",
+                                                 "align",
+                                                 "filter",
+                                                 "refine",
+                                                 "balance",
+                                                 "borders",
+                                                 "picture-splits",
+                                                 "chroma-from-luma",
+                                                 "sines"};
 
 // Overrides of an effort's choice; without any, the effort decides.
 class ToolSwitches {

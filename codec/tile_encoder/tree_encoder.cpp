@@ -204,12 +204,22 @@ void TreeEncoder::encode_again(const TileLevels& tile, TilePlanes& result, MeanD
             put_levels(tile, i * planes, planes, i, out);
             continue;
         }
-        const BlockPrediction prediction =
+        BlockPrediction prediction =
             tile.predictions.empty() ? BlockPrediction{} : tile.predictions[i];
-        search.transform_block(tile.blocks[i], prediction, result, coefficients_);
-        if (debt != nullptr)
-            debt->ask_of(coefficients_);
-        blocks_.encode_as(coefficients_, tile.colours[i], trial_);
+        const auto encode = [&] {
+            search.transform_block(tile.blocks[i], prediction, result, coefficients_);
+            // The first coefficient of sines is not the mean.
+            if (debt != nullptr && prediction.transform == BlockTransform::cosine)
+                debt->ask_of(coefficients_);
+            blocks_.encode_as(coefficients_, tile.colours[i], trial_);
+        };
+        encode();
+        if (prediction.transform != BlockTransform::cosine &&
+            trial_.planes[0].coded_length == 0) { // a decoder would take cosines
+            prediction.transform = BlockTransform::cosine;
+            out.predictions[i] = prediction;
+            encode();
+        }
         put_levels(trial_, 0, planes, i, out);
         out.colours[i] = trial_.colours[0];
         reconstruct_block(out, i, result);

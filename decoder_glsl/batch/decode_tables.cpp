@@ -11,6 +11,7 @@
 #include "format/tile/coding_parameters.h"
 #include "format/tile/colour_rotation.h"
 #include "format/tile/dct_basis.h"
+#include "format/tile/sine_basis.h"
 
 #include <algorithm>
 #include <cstring>
@@ -30,7 +31,8 @@ static_assert(tsr_max_blocks == max_leaves && tsr_max_work == max_segment_work &
               tsr_max_frequencies == max_frequencies && tsr_correction_chunk == correction_chunk &&
               tsr_rotations == rotation_count && tsr_base_taps == base_taps &&
               tsr_most_share == most_share && tsr_directions == border_directions &&
-              tsr_mode_contexts == mode_contexts);
+              tsr_mode_contexts == mode_contexts && tsr_transform_contexts == transform_contexts &&
+              tsr_max_sine_side == max_sine_side);
 static_assert(tsr_depth_classes == depth_classes && tsr_size_classes == size_classes &&
               tsr_neighbour_classes == neighbour_classes && tsr_cross_classes == cross_classes &&
               tsr_zero_positions == zero_positions && tsr_magnitude_tables == magnitude_tables &&
@@ -84,6 +86,7 @@ void put_code_tables(const CodeTables& tables, Words& words) {
     put_list<tsr_t_kind, tsr_kind_end>(std::span(tables.colour), words);
     put_list<tsr_t_share, tsr_share_end>(std::span(tables.share), words);
     put_list<tsr_t_mode, tsr_mode_end>(std::span(tables.mode), words);
+    put_list<tsr_t_transform, tsr_transform_end>(std::span(tables.transform), words);
     put_list<tsr_t_prediction, tsr_prediction_end>(std::span(tables.prediction), words);
     put_list<tsr_t_displacement_kind, tsr_displacement_kind_end>(
         std::span(tables.displacement_kind), words);
@@ -112,6 +115,10 @@ void put_transform_tables(Words& words) {
     for (int n = 1; n <= max_block_side; ++n)
         for (int i = 0; i < std::min(n, max_frequencies) * n; ++i)
             words[at++] = signed_word(basis(n)[i]);
+    at = tsr_t_sine_basis;
+    for (int n = 1; n <= max_sine_side; ++n)
+        for (int i = 0; i < n * n; ++i)
+            words[at++] = signed_word(sine_basis(n)[i]);
 }
 
 // The background as a pixel of the texture. A half of -0 decodes to +0.

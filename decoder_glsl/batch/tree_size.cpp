@@ -154,8 +154,11 @@ private:
         return tsr_copy_of_base | static_cast<std::uint32_t>(base_fineness(tile)) << 16;
     }
     std::uint32_t mode_word(std::size_t block) const {
+        const BorderMode mode = predictions_[block].mode;
+        const int transform = 1 + transform_context(mode, blocks_[block].shape);
         return std::uint32_t{mode_contexts_[block]} << 4 |
-               (predictions_[block].mode != mode_none ? tsr_copy_of_border : 0);
+               (mode != mode_none ? tsr_copy_of_border : 0) |
+               static_cast<std::uint32_t>(transform) << tsr_copy_transform;
     }
 
     bool add(const Block& block) {

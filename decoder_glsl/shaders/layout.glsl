@@ -31,6 +31,7 @@ const int tsr_max_block_side = 64; // likewise
 const int tsr_max_base_side = 126; // of base pictures
 const int tsr_max_angular_side = 32;
 const int tsr_max_frequencies = 32;    // coded along an axis
+const int tsr_max_sine_side = 32;      // of blocks with a transform symbol
 const int tsr_correction_chunk = 4096; // texels
 const int tsr_rotations = 49;          // of a block's colours
 const int tsr_most_share = 64;         // of luma in a chroma plane
@@ -124,8 +125,12 @@ const int tsr_t_base_displacement = tsr_from_base_end,
 const int tsr_mode_contexts = 9;
 const int tsr_t_mode = tsr_base_displacement_end,
     tsr_mode_end = tsr_t_mode + tsr_mode_contexts * tsr_symbol_words;
+// Transforms of blocks of pictures, two words each, by context.
+const int tsr_transform_contexts = 12;
+const int tsr_t_transform = tsr_mode_end,
+    tsr_transform_end = tsr_t_transform + tsr_transform_contexts * tsr_symbol5_words;
 // Colour rotations, signed: [rotation][row][column].
-const int tsr_t_rotation = tsr_mode_end,
+const int tsr_t_rotation = tsr_transform_end,
     tsr_rotation_end = tsr_t_rotation + tsr_rotations * 9;
 // The base picture's filter, signed: [displacement mod 8][tap].
 const int tsr_t_base_filter = tsr_rotation_end,
@@ -145,7 +150,10 @@ const int tsr_t_wide_basis = tsr_basis_end,
         tsr_t_wide_basis + tsr_max_frequencies / 2 *
                                (tsr_max_block_side * (tsr_max_block_side + 1) -
                                 tsr_max_frequencies * (tsr_max_frequencies + 1));
-const int tsr_t_end = tsr_wide_basis_end; // the shape records and their scans follow
+// The sine basis s(n, k, x), signed (tsr_sine_basis_of): n * n words for each n up to 32.
+const int tsr_t_sine_basis = tsr_wide_basis_end,
+    tsr_sine_basis_end = tsr_t_sine_basis + (tsr_basis_end - tsr_t_basis);
+const int tsr_t_end = tsr_sine_basis_end; // the shape records and their scans follow
 
 // A shape record.
 const int tsr_s_sides = 0; // nu | nv << 9 | ns << 18 | nt << 24
@@ -226,11 +234,13 @@ const int tsr_correction_words = 4;
 // A copy record, one per block of a predicted tile (FORMAT.md 4.6): what it copies (0 nothing, 1
 // along s, 2 along t, 3 the base picture) | depth << 8 | displacement as signed bytes u << 16 | v
 // << 24, in half texels or, from the base picture, in eighths. A block of the base picture itself
-// has 4 | fineness << 16. A block of a picture has the context of its mode << 4, and 8 if the mode
-// is above 0.
+// has 4 | fineness << 16. A block of a picture has the context of its mode << 4. If the mode is
+// above 0 it also has 8 and, << 24, 1 + the context of its transform, or 0 if it has no transform
+// symbol.
 const int tsr_copy_words = 1;
 const uint tsr_copy_of_base = 4u;
 const uint tsr_copy_of_border = 8u;
+const int tsr_copy_transform = 24;
 
 // A border list: the blocks of a picture that are predicted from their border, in an order in which
 // each comes after the blocks that it needs. It has the number of steps; for each step the number
@@ -267,7 +277,8 @@ const int tsr_k_place = 0; // origin, see tsr_place_v
 const int tsr_k_shape = 1;
 const int tsr_k_first = 2;  // its first level, counted in its segment
 const int tsr_k_counts = 3; // levels of planes 0 to 2 | of plane 3 << 16
-const int tsr_k_rest = 4; // largest ks << 8 | largest kt << 16 | segment of tile << 24
+// 1 if it has sines along u | 2 if along v | largest ks << 8 | largest kt << 16 | segment of tile << 24
+const int tsr_k_rest = 4;
 // 0 plain; rotation + 1; or tsr_colour_shares | shares of Co and Cg as signed bytes << 16, << 24.
 const int tsr_k_colour = 5;
 const int tsr_block_words = 6;

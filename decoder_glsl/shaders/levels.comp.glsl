@@ -61,6 +61,7 @@ struct TsrSegmentWalk {
     int coded; // number of scan entries
     bool copies;
     uint colour; // see tsr_k_colour
+    uint sines;  // see tsr_k_rest
     uint first;     // raw levels of the segment before it
     uint counts;    // see tsr_k_counts
     uint largest_s; // frequency
@@ -85,6 +86,7 @@ struct TsrSegmentWalk {
 void tsr_begin_block(TSR_INOUT(TsrSegmentWalk) w) {
     w.plane = 0;
     w.colour = 0u;
+    w.sines = 0u;
     w.first = w.count;
     w.counts = 0u;
     w.largest_s = 0u;
@@ -100,7 +102,7 @@ void tsr_end_block(TSR_INOUT(TsrSegmentWalk) w) {
     tsr_set_work(at + uint(tsr_k_first), w.first);
     tsr_set_work(at + uint(tsr_k_counts), w.counts);
     tsr_set_work(at + uint(tsr_k_rest),
-                 (w.largest_s << 8) | (w.largest_t << 16) | (w.segment_of_tile << 24));
+                 w.sines | (w.largest_s << 8) | (w.largest_t << 16) | (w.segment_of_tile << 24));
     tsr_set_work(at + uint(tsr_k_colour), w.colour);
     w.block += 1u;
 }
@@ -138,9 +140,22 @@ void tsr_take_share(TSR_INOUT(TsrSegmentWalk) w, int difference) {
     w.last_colour = w.colour;
 }
 
+// Decodes the transform of a block, if it has a symbol for it.
+void tsr_take_transform(TSR_INOUT(TsrSegmentWalk) w) {
+    uint copy = tsr_copy(w.tile, w.block);
+    uint context = (copy >> uint(tsr_copy_transform)) & 15u;
+    if ((copy & tsr_copy_of_border) == 0u || context == 0u)
+        return;
+    int symbol =
+        tsr_symbol5(w.r, uint(tsr_t_transform) + (context - 1u) * uint(tsr_symbol5_words));
+    ivec4 sides = tsr_sides_of(w.shape);
+    w.sines = (sides.x > 1 && (symbol == 1 || symbol == 2) ? 1u : 0u) |
+              (sides.y > 1 && (symbol == 1 || symbol == 3) ? 2u : 0u);
+}
+
 // Decodes the length of a plane and, behind that of plane 0, the colour of the block; or a share,
 // which is not part of the work of a segment. They use the same calls, because some devices run the
-// code of all branches in every round.
+// code of all branches in every round. The transform follows behind the colour or the last share.
 void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
     bool is_share = w.shares_left > 0;
     uint table = uint(tsr_t_other_length + w.first_token * tsr_symbol_words);
@@ -179,6 +194,8 @@ void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
         tsr_take_share(w, last != 0u ? -length : length);
     if (has_colour)
         tsr_take_kind(w, kind, last);
+    if (w.plane == 0 && w.size > 0 && w.shares_left == 0)
+        tsr_take_transform(w);
 }
 
 void tsr_keep_level(TSR_INOUT(TsrSegmentWalk) w, uint frequency, uint magnitude, uint negative) {

@@ -94,10 +94,11 @@ TsrLevels tsr_find_levels(uint first, uint count, uint own_key, uint own_plane) 
 }
 
 // The coefficients of planes 0 to 2, or of plane 3 in x. `colour`: see tsr_k_colour; `copy`: the
-// copy record of the block.
+// copy record of the block; `sines`: see tsr_k_rest.
 ivec3 tsr_coefficients_of(TsrLevels found, bool plane_3, uint frequency, uint shape, uint colour,
-                          uint copy) {
-    int axes = ((frequency & 31u) != 0u ? 1 : 0) + ((frequency & 0x3E0u) != 0u ? 1 : 0) +
+                          uint copy, uint sines) {
+    int axes = ((frequency & 31u) != 0u || (sines & 1u) != 0u ? 1 : 0) +
+               ((frequency & 0x3E0u) != 0u || (sines & 2u) != 0u ? 1 : 0) +
                ((frequency & 0x7C00u) != 0u ? 1 : 0) + ((frequency & 0xF8000u) != 0u ? 1 : 0);
     // The steps of a base picture's blocks are 2^(-k / 2) times the file's (FORMAT.md 4.1).
     int k = (copy & tsr_copy_of_base) != 0u ? int((copy >> 16) & 15u) : 0;
@@ -169,7 +170,8 @@ void tsr_order_level(uint slot) {
         x = tsr_coefficients_of(found, plane_3, frequency,
                                 tsr_work_word(block + uint(tsr_k_shape)),
                                 tsr_work_word(block + uint(tsr_k_colour)),
-                                tsr_copy(tile, own_key & 0xFFFu));
+                                tsr_copy(tile, own_key & 0xFFFu),
+                                tsr_work_word(block + uint(tsr_k_rest)));
     uint sorted = run + found.before;
     if (sorted < uint(tsr_coefficients.length()))
         tsr_coefficients[sorted] = uvec4(frequency, uint(x.x), uint(x.y), uint(x.z));

@@ -13,6 +13,11 @@ int tsr_basis_of(int n) {
     return tsr_t_basis + ((n - 1) * n * (2 * n - 1)) / 6;
 }
 
+// Word of s(n, 0, 0), for n up to tsr_max_sine_side. s(n, k, x) is n k + x words further on.
+int tsr_sine_basis_of(int n) {
+    return tsr_t_sine_basis + ((n - 1) * n * (2 * n - 1)) / 6;
+}
+
 // A sum of products in two halves, H and L of the format: x, y, z are planes 0 to 2, or x is plane
 // 3.
 struct TsrSum {

@@ -18,12 +18,15 @@ struct TsrWalk {
     ivec3 column_value;
 };
 
-TsrWalk tsr_start_walk(ivec4 sides, ivec2 place) {
+// `sines`: see tsr_k_rest.
+TsrWalk tsr_start_walk(ivec4 sides, uint sines, ivec2 place) {
     TsrWalk w;
     w.sides = sides;
     w.place = place;
-    w.basis_u = tsr_basis_of(sides.x) + place.x;
-    w.basis_v = tsr_basis_of(sides.y) + place.y;
+    w.basis_u =
+        ((sines & 1u) != 0u ? tsr_sine_basis_of(sides.x) : tsr_basis_of(sides.x)) + place.x;
+    w.basis_v =
+        ((sines & 2u) != 0u ? tsr_sine_basis_of(sides.y) : tsr_basis_of(sides.y)) + place.y;
     w.key = 0u;
     w.line = tsr_no_sum();
     w.column = tsr_no_sum();

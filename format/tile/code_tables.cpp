@@ -66,6 +66,7 @@ CodeTables::CodeTables(const Parameters& parameters) {
     build(base_displacement, next, displacement_tokens - 1);
     next += displacement_tokens - 1;
     build_next(mode, mode_symbols - 1);
+    build_next(transform, transform_kinds - 1);
 }
 
 } // namespace tessera

@@ -160,7 +160,10 @@ constexpr int base_displacement_offset = from_base_offset + 2;
 constexpr int mode_offset = base_displacement_offset + displacement_tokens - 1;
 constexpr int mode_symbols = 6;  // see ModeMemory in format/tile/border_mode.h
 constexpr int mode_contexts = 9; // kinds of the modes above and to the left
-constexpr int parameter_count = mode_offset + mode_contexts * (mode_symbols - 1);
+constexpr int transform_offset = mode_offset + mode_contexts * (mode_symbols - 1);
+constexpr int transform_kinds = 4;     // see BlockTransform in format/tile/block_transform.h
+constexpr int transform_contexts = 12; // four sizes of the block, times three kinds of its mode
+constexpr int parameter_count = transform_offset + transform_contexts * (transform_kinds - 1);
 
 using Parameters = std::array<std::uint8_t, parameter_count>;
 
@@ -242,6 +245,7 @@ struct CodeTables {
     std::array<SymbolTable<2>, 2> from_base;
     SymbolTable<displacement_tokens> base_displacement;
     std::array<SymbolTable<mode_symbols>, mode_contexts> mode;
+    std::array<SymbolTable<transform_kinds>, transform_contexts> transform;
 };
 
 // The built-in defaults (FORMAT.md 3.5): for textures of many views, and for single pictures, whose

@@ -10,6 +10,7 @@
 
 #include "format/tile/base_picture.h"
 #include "format/tile/block.h"
+#include "format/tile/block_transform.h"
 #include "format/tile/border_mode.h"
 #include "format/tile/code_tables.h"
 
@@ -41,6 +42,8 @@ struct BlockPrediction {
     CopyFrom from = CopyFrom::nothing;
     Displacement displacement;   // 0, 0 if the block copies nothing
     BorderMode mode = mode_none; // of blocks of pictures, which copy nothing
+    // Of what is left after a prediction from the border. Its symbol follows the block's colour.
+    BlockTransform transform = BlockTransform::cosine;
 
     bool is_predicted() const { return copies() || mode != mode_none; }
     bool copies() const { return from != CopyFrom::nothing; }

@@ -28,6 +28,7 @@ struct BitCounter {
     void colour(int, int) {}
     void share(int, int) {}
     void mode(int, int) {}
+    void transform(int, int) {}
     void zero(int parameter, bool is_zero) {
         bits += costs.zero[static_cast<std::size_t>(parameter)][is_zero ? 0 : 1];
     }

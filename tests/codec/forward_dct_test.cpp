@@ -1,5 +1,6 @@
 // The forward transform compared with double precision.
 #include "codec/search_kernels/forward_dct.h"
+#include "format/tile/block_transform.h"
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
 #include "tests/support/slow_dct.h"
@@ -7,7 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <numbers>
 
 namespace tessera::test {
 namespace {
@@ -40,6 +43,32 @@ TEST(ForwardTransform, MatchesDoublePrecision) {
         for (std::size_t i = 0; i < x.size(); ++i)
             ASSERT_NEAR(got[i], want[i], bound) << name_of(shape) << " coefficient " << i;
     }
+}
+
+TEST(ForwardTransform, SinesMatchDoublePrecision) {
+    Random random(5);
+    for (int n = 2; n <= max_sine_side; ++n)
+        for (const int other : {1, 3, 8, 19})
+            for (const int axis : {0, 1}) {
+                const BlockShape shape =
+                    axis == 0 ? shape_of(n, other, 1, 1) : shape_of(other, n, 1, 1);
+                const std::vector<float> x = random_floats(random, shape.texels(), 255);
+                std::vector<float> got(x.size());
+                forward_sine_axis(x.data(), got.data(), shape, axis);
+                const int step = axis == 0 ? 1 : other, line = axis == 0 ? n : 1;
+                for (int i = 0; i < other; ++i)
+                    for (int k = 0; k < n; ++k) {
+                        double want = 0;
+                        for (int y = 0; y < n; ++y)
+                            want +=
+                                x[static_cast<std::size_t>(i * line + y * step)] *
+                                std::sqrt(4.0 / (2 * n + 1)) *
+                                std::sin((2 * k + 1) * (y + 1) * std::numbers::pi / (2 * n + 1));
+                        ASSERT_NEAR(got[static_cast<std::size_t>(i * line + k * step)], want,
+                                    255 * 6e-8 * n * std::sqrt(n))
+                            << name_of(shape) << " axis " << axis << " frequency " << k;
+                    }
+            }
 }
 
 TEST(ForwardTransform, InverseRestoresTexels) {

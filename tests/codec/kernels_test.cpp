@@ -1,6 +1,7 @@
 // All sets of kernels give the same results, and the inverse transform meets IEEE 1180.
 #include "codec/kernels/kernels.h"
 #include "format/tile/base_picture.h"
+#include "format/tile/sine_basis.h"
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
 #include "tests/support/slow_dct.h"
@@ -173,6 +174,51 @@ TEST(KernelPaths, InverseRowsAreEqual) {
                     path->inverse_rows(in.data(), b.data(), rows, support, n);
                     ASSERT_EQ(a, b) << path->name << " " << n << " " << support << " " << rows;
                 }
+            }
+}
+
+// Against sums in 64 bits, where these do not overflow.
+TEST(KernelPaths, SinesAreEqualAndCorrect) {
+    Random random(7);
+    for (int n = 1; n <= max_sine_side; ++n)
+        for (int support = 1; support <= n; ++support)
+            for (const int inner : {1, 2, 3, 4, 7, 8, 9, 16, 31}) {
+                auto in = random_integers(random, static_cast<std::size_t>(support * inner));
+                const bool right = random.chance(0.5);
+                for (std::int32_t& x : in)
+                    x = right ? x >> 10 : x;
+                std::vector<std::int32_t> a(static_cast<std::size_t>(n * inner)), b(a.size());
+                kernels_scalar.sine_planes(in.data(), a.data(), support, n, inner);
+                for (const Kernels* path : vector_paths()) {
+                    std::ranges::fill(b, 1);
+                    path->sine_planes(in.data(), b.data(), support, n, inner);
+                    ASSERT_EQ(a, b) << path->name << " " << n << " " << support << " " << inner;
+                }
+                // The rows are the columns.
+                std::vector<std::int32_t> rows(in.size()), turned(a.size());
+                for (int k = 0; k < support; ++k)
+                    for (int i = 0; i < inner; ++i)
+                        rows[static_cast<std::size_t>(i * support + k)] =
+                            in[static_cast<std::size_t>(k * inner + i)];
+                for (int x = 0; x < n; ++x)
+                    for (int i = 0; i < inner; ++i)
+                        turned[static_cast<std::size_t>(i * n + x)] =
+                            a[static_cast<std::size_t>(x * inner + i)];
+                kernels_scalar.sine_rows(rows.data(), b.data(), inner, support, n);
+                ASSERT_EQ(b, turned) << n << " " << support << " " << inner;
+                for (const Kernels* path : vector_paths()) {
+                    std::ranges::fill(b, 1);
+                    path->sine_rows(rows.data(), b.data(), inner, support, n);
+                    ASSERT_EQ(b, turned) << path->name << " " << n << " " << support;
+                }
+                for (int i = 0; right && i < inner; ++i)
+                    for (int x = 0; x < n; ++x) {
+                        std::int64_t sum = 1 << (basis_bits - 1);
+                        for (int k = 0; k < support; ++k)
+                            sum += std::int64_t{sine_basis(n)[k * n + x]} *
+                                   in[static_cast<std::size_t>(k * inner + i)];
+                        ASSERT_EQ(a[static_cast<std::size_t>(x * inner + i)], sum >> basis_bits);
+                    }
             }
 }
 

@@ -1,6 +1,9 @@
 #include "codec/tile_encoder/tile_encoder.h"
 
+#include "codec/entropy/tile_entropy.h"
 #include "codec/pass/steps.h"
+#include "codec/reconstruct/tile_decoder.h"
+#include "tests/support/random.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -47,6 +50,45 @@ TEST(TileEncoder, IsIndependentOfThePreviousTile) {
     fresh.encode(moving_waves(140, 0), parallax_shape, expected);
     ASSERT_FALSE(expected.nonzeros.empty());
     EXPECT_EQ(flat, expected);
+}
+
+// A block without luma has no symbol for its transform, so it must have cosines.
+TEST(TileEncoder, PicturesHaveSinesWhereADecoderKnowsIt) {
+    constexpr BlockShape shape{{64, 48, 1, 1}};
+    const TextureDesc desc{{64, 48, 1, 1}, SampleType::unorm8, 3};
+    ColourCoding colour;
+    colour.desc = desc;
+    colour.transform = ColourTransform::ycocg_r;
+    test::Random random(3);
+    TileTexels tile; // grain that grows to the right, and colours without luma on the left
+    for (int v = 0; v < shape.n[1]; ++v)
+        for (int u = 0; u < shape.n[0]; ++u) {
+            const int grain = random.range(-u, u) / 2;
+            const int red = u < 16 ? random.range(-20, 20) : 0;
+            for (const int c : {red, 0, -red})
+                tile.texels.push_back(static_cast<std::byte>(128 + grain + c));
+        }
+    for (const int effort : {2, 3, 4}) {
+        const EffortSettings settings = EffortSettings::of(effort);
+        for (const int step : {8, 16, 24}) {
+            CodingParameters parameters = parameters_for_step(step, desc, settings);
+            parameters.prediction = true;
+            const TileCoding coding(parameters, desc.type, desc.channels);
+            const BitCosts costs(coding.tables);
+            TileLevels levels;
+            TileEncoder(coding, costs, colour, settings).encode(tile, shape, levels);
+            std::size_t sines = 0;
+            for (std::size_t i = 0; i < levels.predictions.size(); ++i)
+                sines += levels.predictions[i].transform != BlockTransform::cosine;
+            EXPECT_EQ(sines > 0, effort > 2) << "effort " << effort << ", step " << step;
+            std::vector<std::byte> payload;
+            encode_levels(levels, {}, coding, payload);
+            TileDecoder decoder(coding, colour);
+            ASSERT_TRUE(decoder.parse(payload, shape).ok());
+            EXPECT_TRUE(decoder.levels().predictions == levels.predictions)
+                << "effort " << effort << ", step " << step;
+        }
+    }
 }
 
 } // namespace

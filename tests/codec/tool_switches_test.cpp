@@ -69,8 +69,8 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
             const Encoded encoded = encode(texture, options);
             // These tools may have no effect on this texture. prediction_test.cpp,
             // tree_edits_test.cpp and tile_filter_test.cpp test them.
-            constexpr std::array may_not_matter = {"-smooth", "-base",    "-refine",
-                                                   "-filter", "-borders", "-picture-splits"};
+            constexpr std::array may_not_matter = {
+                "-smooth", "-base", "-refine", "-filter", "-borders", "-picture-splits", "-sines"};
             if (std::ranges::find(may_not_matter, name) == may_not_matter.end()) {
                 EXPECT_FALSE(data_of(encoded.file) == data_of(full.file)) << name;
             }

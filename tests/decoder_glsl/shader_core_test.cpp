@@ -3,6 +3,7 @@
 #include "format/byte_source.h"
 #include "format/texture.h"
 #include "format/tile/dct_basis.h"
+#include "format/tile/sine_basis.h"
 #include "tests/support/decode_cases.h"
 #include "tests/support/shader_oracle.h"
 
@@ -149,14 +150,23 @@ TEST(ShaderCore, BasisMatchesTheFormat) {
                     static_cast<int>(shaders::tsr_table(shaders::tsr_basis_of(n) + k * n + x)),
                     basis(n)[k * n + x])
                     << n << " " << k << " " << x;
+    for (int n = 1; n <= max_sine_side; ++n)
+        for (int i = 0; i < n * n; ++i)
+            ASSERT_EQ(static_cast<int>(shaders::tsr_table(shaders::tsr_sine_basis_of(n) + i)),
+                      sine_basis(n)[i])
+                << n << " " << i;
     // The tables lie one behind the other.
     EXPECT_EQ(shaders::tsr_t_mode + mode_contexts * shaders::tsr_symbol_words,
+              shaders::tsr_t_transform);
+    EXPECT_EQ(shaders::tsr_t_transform + transform_contexts * shaders::tsr_symbol5_words,
               shaders::tsr_t_rotation);
     EXPECT_EQ(shaders::tsr_t_direction + border_directions, shaders::tsr_t_filter);
     EXPECT_EQ(shaders::tsr_t_filter + 4 * filter_rings, shaders::tsr_t_basis);
     EXPECT_EQ(shaders::tsr_basis_of(max_frequencies) + max_frequencies * max_frequencies,
               shaders::tsr_t_wide_basis);
     EXPECT_EQ(shaders::tsr_basis_of(max_block_side) + max_frequencies * max_block_side,
+              shaders::tsr_t_sine_basis);
+    EXPECT_EQ(shaders::tsr_sine_basis_of(max_sine_side) + max_sine_side * max_sine_side,
               shaders::tsr_t_end);
 }
 

@@ -96,7 +96,9 @@ TEST(CodeTables, FollowTheOrderOfParameters) {
     expect_first(tables.from_base.back(), from_base_offset + 1);
     expect_first(tables.base_displacement, base_displacement_offset);
     expect_first(tables.mode.front(), mode_offset);
-    expect_first(tables.mode.back(), parameter_count - mode_symbols + 1);
+    expect_first(tables.mode.back(), transform_offset - mode_symbols + 1);
+    expect_first(tables.transform.front(), transform_offset);
+    expect_first(tables.transform.back(), parameter_count - transform_kinds + 1);
 }
 
 TEST(CodeTables, OddsFollowTheFormula) {

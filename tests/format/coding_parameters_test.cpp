@@ -156,7 +156,7 @@ TEST(CodingParameters, ParametersOfCopiesAreOmittedWithoutPredictions) {
             parameter = static_cast<std::uint8_t>((parameter + 1) % 64);
             ++left_out;
         }
-    EXPECT_EQ(left_out, 1344 + 1188 + 117 + 12 + 4 + 16 + 1 + 2 + 8 + 45); // FORMAT.md 3.5
+    EXPECT_EQ(left_out, 1344 + 1188 + 117 + 12 + 4 + 16 + 1 + 2 + 8 + 45 + 36); // FORMAT.md 3.5
     EXPECT_EQ(write_all(coding).size(), write_all({}).size());
     coding.prediction = coding.base.on = true;
     const Result<CodingParameters> got = read_all(write_all(coding));

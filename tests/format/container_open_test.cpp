@@ -77,10 +77,10 @@ TEST(Hostile, IdentifierAndVersion) {
     using enum ContainerRule;
     expect_refused(patched(0, u8{0x88}), identifier, "not a Tessera file");
     expect_refused(patched(8, u8{'\n'}), identifier, "transfer in text mode");
-    expect_refused(patched(12, u16{1}), version, "version 1.4", ErrorCode::unsupported);
-    expect_refused(patched(14, u16{5}), version, "version 0.5", ErrorCode::unsupported);
-    expect_refused(patched(14, u16{3}), version, "version 0.3", ErrorCode::unsupported);
-    Bytes file = patched(14, u16{4});
+    expect_refused(patched(12, u16{1}), version, "version 1.5", ErrorCode::unsupported);
+    expect_refused(patched(14, u16{6}), version, "version 0.6", ErrorCode::unsupported);
+    expect_refused(patched(14, u16{4}), version, "version 0.4", ErrorCode::unsupported);
+    Bytes file = patched(14, u16{5});
     file[88] ^= std::byte{1};
     expect_refused(file, header_crc, "checksum of the header");
     expect_refused(Bytes(91), length, "too few");

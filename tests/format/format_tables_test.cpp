@@ -3,6 +3,7 @@
 #include "format/tile/code_tables.h"
 #include "format/tile/colour_rotation.h"
 #include "format/tile/dct_basis.h"
+#include "format/tile/sine_basis.h"
 
 #include <gtest/gtest.h>
 
@@ -21,6 +22,9 @@ constexpr std::uint32_t frequencies[] = {
 constexpr std::int32_t basis_waves[] = {
 #include "format/tables/basis.inc"
 };
+constexpr std::int32_t sine_waves[] = {
+#include "format/tables/sine_basis.inc"
+};
 constexpr std::int32_t colour_rotations[] = {
 #include "format/tables/colour_rotations.inc"
 };
@@ -29,8 +33,8 @@ TEST(FormatTables, DefaultParametersHaveTheStatedChecksum) {
     const auto checksum = [](DefaultSet set) {
         return crc32c(std::as_bytes(std::span(default_parameters(set))));
     };
-    EXPECT_EQ(checksum(DefaultSet::views), 0x55238464u);
-    EXPECT_EQ(checksum(DefaultSet::pictures), 0x861313A8u);
+    EXPECT_EQ(checksum(DefaultSet::views), 0xDF04AF50u);
+    EXPECT_EQ(checksum(DefaultSet::pictures), 0x5FF36E41u);
 }
 
 TEST(FormatTables, FrequenciesOfParameters) {
@@ -53,6 +57,22 @@ TEST(FormatTables, Basis) {
         wave += n + 1;
     }
     EXPECT_EQ(wave, std::end(basis_waves));
+}
+
+TEST(FormatTables, SineBasis) {
+    const std::int32_t* wave = sine_waves;
+    for (int n = 1; n <= max_sine_side; ++n) {
+        ASSERT_LE(wave + n + 1, std::end(sine_waves)) << n;
+        for (int k = 0; k < n; ++k)
+            for (int x = 0; x < n; ++x) { // follows the rule in the header of the table
+                const int a = (2 * k + 1) * (x + 1) % (4 * n + 2);
+                const int b = a % (2 * n + 1), near = std::min(b, 2 * n + 1 - b);
+                ASSERT_EQ(sine_basis(n)[k * n + x], a <= 2 * n ? wave[near] : -wave[near])
+                    << n << ' ' << k << ' ' << x;
+            }
+        wave += n + 1;
+    }
+    EXPECT_EQ(wave, std::end(sine_waves));
 }
 
 TEST(FormatTables, ColourRotations) {

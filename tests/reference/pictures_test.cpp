@@ -7,6 +7,7 @@
 #include "tests/support/decode_cases.h"
 #include "tests/support/rewritten_file.h"
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -126,6 +127,10 @@ public:
                        token - 1);
             coder_.raw(difference < 0, 1);
         }
+        return *this;
+    }
+    HandMadeTile& transform(int context, int symbol) {
+        tables_.transform[static_cast<std::size_t>(context)].encode(coder_, symbol);
         return *this;
     }
     // The coefficient `magnitude` (1..4) of a block with one coefficient, and empty other planes.
@@ -353,9 +358,60 @@ TEST(ForgedPictures, EveryMode) {
     for (const int symbol : {3, 4}) {
         HandMadeTile likely(parameters, {{4, 4, 1, 1}, SampleType::unorm8, 1});
         likely.split(3).split(0, 1).mode(0, symbol).split(0, 1);
-        likely.mode(2, 3).one_coefficient(8).coefficient(8, 1).empty_block(8);
+        likely.mode(2, 3).one_coefficient(8).transform(symbol == 3 ? 2 : 1, 0);
+        likely.coefficient(8, 1).empty_block(8);
         EXPECT_TRUE(likely.is_accepted("likely modes"));
     }
+}
+
+// A block has a transform symbol if it has a mode, luma, and sides of at most 32. Its context follows
+// from its larger side and its mode.
+TEST(ForgedPictures, Transforms) {
+    CodingParameters parameters;
+    parameters.prediction = true;
+    for (StepCode& step : parameters.step)
+        step.bits = 4 << 11;
+    for (std::size_t i = 0; i < 36; ++i) // all tables differ
+        parameters.parameters[static_cast<std::size_t>(transform_offset) + i] =
+            static_cast<std::uint8_t>(14 + i);
+    const auto whole = [&](const Extent4& size, int mode, int context, int symbol) {
+        HandMadeTile tile(parameters, {size, SampleType::unorm8, 1});
+        const int texels = static_cast<int>(texel_count(size));
+        tile.split(0);
+        if (mode < 3)
+            tile.mode(0, mode);
+        else
+            tile.mode(0, 5).raw(static_cast<std::uint32_t>(mode - 3), 5);
+        tile.one_coefficient(texels);
+        if (context >= 0)
+            tile.transform(context, symbol);
+        tile.coefficient(texels, 4);
+        return tile.outcome(to_string(size) + " mode " + std::to_string(mode) + " transform " +
+                            std::to_string(symbol));
+    };
+    const Extent4 sizes[] = {{4, 3, 1, 1}, {5, 2, 1, 1}, {3, 16, 1, 1}, {32, 17, 1, 1}};
+    for (int c = 0; c < 4; ++c)
+        for (const int mode : {1, 2, 3, 18, 19, 34}) {
+            const int context = 3 * c + (mode < 3 ? 0 : mode < 19 ? 1 : 2);
+            std::set<Bytes> outcomes;
+            for (int symbol = 0; symbol < 4; ++symbol) {
+                const Outcome outcome = whole(sizes[c], mode, context, symbol);
+                EXPECT_TRUE(outcome.accepted);
+                outcomes.insert(outcome.texels);
+            }
+            EXPECT_EQ(outcomes.size(), 4u) << "context " << context;
+        }
+    for (const auto& [size, mode] :
+         {std::pair{Extent4{33, 4, 1, 1}, 1}, {{4, 33, 1, 1}, 20}, {{8, 8, 1, 1}, 0}})
+        EXPECT_TRUE(whole(size, mode, -1, 0).accepted);
+    // A side of 1 has cosines.
+    const Outcome cosines = whole({8, 1, 1, 1}, 2, 3, 0);
+    EXPECT_EQ(whole({8, 1, 1, 1}, 2, 3, 3).texels, cosines.texels);
+    EXPECT_EQ(whole({8, 1, 1, 1}, 2, 3, 1).texels, whole({8, 1, 1, 1}, 2, 3, 2).texels);
+    EXPECT_NE(whole({8, 1, 1, 1}, 2, 3, 1).texels, cosines.texels);
+    // A block without luma has no symbol.
+    HandMadeTile empty(parameters, {{8, 8, 1, 1}, SampleType::unorm8, 1});
+    EXPECT_TRUE(empty.split(0).mode(0, 2).empty_block(64).is_accepted("no luma"));
 }
 
 // Random bytes in place of a tile. Both decoders must end without a crash and agree.

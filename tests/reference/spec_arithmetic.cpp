@@ -67,9 +67,22 @@ struct Basis {
     }
 };
 
+struct SineBasis {
+    int32_t s[33][32][32]; // [n][k][x]
+    SineBasis() {
+        for (int n = 1; n <= 32; ++n)
+            for (int k = 0; k < n; ++k)
+                for (int x = 0; x < n; ++x)
+                    s[n][k][x] = static_cast<int32_t>(std::lround(
+                        32768 * std::sqrt(2.0 * n / (2 * n + 1)) *
+                        std::sin((2 * k + 1) * (x + 1) * std::numbers::pi / (2 * n + 1))));
+    }
+};
+
 // Transforms one line of values, which are `stride` apart.
-void inverse_line(int64_t* values, int n, size_t stride) {
+void inverse_line(int64_t* values, int n, bool has_sines, size_t stride) {
     static const Basis basis;
+    static const SineBasis sine_basis;
     uint32_t H[64] = {}, L[64] = {}; // modulo 2^32
     for (int k = 0; k < coded_frequencies(n); ++k) {
         const int64_t in = std::clamp(values[static_cast<size_t>(k) * stride], -(int64_t{1} << 26),
@@ -78,7 +91,7 @@ void inverse_line(int64_t* values, int n, size_t stride) {
             continue;
         const auto high = static_cast<uint32_t>(in >> 11);
         const auto low = static_cast<uint32_t>(in & 2047);
-        const int32_t* row = basis.b[n][k];
+        const int32_t* row = has_sines ? sine_basis.s[n][k] : basis.b[n][k];
         for (int x = 0; x < n; ++x) {
             H[x] += static_cast<uint32_t>(row[x]) * high;
             L[x] += static_cast<uint32_t>(row[x]) * low;
@@ -93,14 +106,15 @@ void inverse_line(int64_t* values, int n, size_t stride) {
 
 } // namespace
 
-void inverse_transform(std::vector<int64_t>& values, const Vector4& n, int bits) {
+void inverse_transform(std::vector<int64_t>& values, const Vector4& n,
+                       const std::array<bool, 4>& sines, int bits) {
     size_t stride = 1;
     for (size_t axis = 0; axis < 4; ++axis) {
         const size_t side = static_cast<size_t>(n[axis]);
         if (side > 1)
             for (size_t outer = 0; outer < values.size(); outer += stride * side)
                 for (size_t inner = 0; inner < stride; ++inner)
-                    inverse_line(&values[outer + inner], n[axis], stride);
+                    inverse_line(&values[outer + inner], n[axis], sines[axis], stride);
         stride *= side;
     }
     for (int64_t& value : values)

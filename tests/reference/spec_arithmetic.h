@@ -35,7 +35,7 @@ template <class Visit> void for_each_place(const Vector4& size, Visit visit) {
                     visit(at);
 }
 
-// The scale M, x for coefficients with z frequencies above 0.
+// The scale M, x for coefficients with that z of 4.1.
 struct Scale {
     int64_t M = 0;
     int x = 0;
@@ -47,7 +47,8 @@ int64_t dequantise(int64_t level, const Scale& scale, int offset);
 
 // Transforms `values`, which place() indexes, in four passes and rounds them. The results are in
 // units of 2^-(F - bits) of a code.
-void inverse_transform(std::vector<int64_t>& values, const Vector4& n, int bits);
+void inverse_transform(std::vector<int64_t>& values, const Vector4& n,
+                       const std::array<bool, 4>& sines, int bits);
 
 using Matrix = std::array<std::array<int64_t, 3>, 3>; // [row][column]
 

@@ -211,6 +211,17 @@ void TileDecoder::read_colour(Stream& stream, Block& block, ColourMemory& memory
     memory.r = memory.last_had_shares ? 2 : 1;
 }
 
+void TileDecoder::read_transform(Stream& stream, Block& block) {
+    const int larger = std::max(block.size[0], block.size[1]);
+    if (!is_in_picture(block) || block.mode == 0 || larger > 32)
+        return;
+    const size_t c = larger <= 4 ? 0 : larger <= 8 ? 1 : larger <= 16 ? 2 : 3;
+    const size_t k = block.mode <= 2 ? 0 : block.mode <= 18 ? 1 : 2;
+    const int symbol = stream.symbol(code_.transform[3 * c + k]);
+    block.sines[0] = block.size[0] > 1 && (symbol == 1 || symbol == 2);
+    block.sines[1] = block.size[1] > 1 && (symbol == 1 || symbol == 3);
+}
+
 void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t work) {
     ColourMemory colours;
     for (size_t number = begin; number < end; ++number) {
@@ -242,7 +253,11 @@ void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t
             if (plane == 0 && length > 0 && code_.has_colour_symbols && header_.channels >= 3)
                 read_colour(stream, block, colours);
 
-            // 3. The coefficients.
+            // 3. The transform.
+            if (plane == 0 && length > 0)
+                read_transform(stream, block);
+
+            // 4. The coefficients.
             read_plane(stream, block, plane, length);
         }
     }

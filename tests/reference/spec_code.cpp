@@ -16,7 +16,7 @@ constexpr uint8_t default_parameter_list[] = {
 constexpr uint8_t picture_parameter_list[] = {
 #include "format/tables/picture_parameters.inc"
 };
-constexpr size_t parameter_count = 5947;
+constexpr size_t parameter_count = 5983;
 static_assert(std::size(default_parameter_list) == parameter_count);
 static_assert(std::size(picture_parameter_list) == parameter_count);
 
@@ -185,6 +185,8 @@ Code read_code(Bytes section, const Header& header) {
     code.base_displacement = table(8, 9);
     for (Table& t : code.mode)
         t = table(5, 6);
+    for (Table& t : code.transform)
+        t = table(3, 4);
     return code;
 }
 

@@ -47,6 +47,7 @@ struct Code {
     Table from_base[2];
     Table base_displacement;
     Table mode[9];
+    Table transform[12];
 };
 
 Code read_code(Bytes section, const Header& header);

@@ -20,7 +20,7 @@ Header read_header(Bytes file) {
     require(file.size() >= header_bytes, "header: cut short");
     const uint8_t identifier[12] = {0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', 13, 10, 0x1A, 10};
     require(std::memcmp(file.data(), identifier, 12) == 0, "header: identifier");
-    require(u16(file, 12) == 0 && u16(file, 14) == 4, "header: version");
+    require(u16(file, 12) == 0 && u16(file, 14) == 5, "header: version");
 
     Header h;
     h.section_count = static_cast<uint32_t>(u8(file, 36));

@@ -217,8 +217,9 @@ void TileDecoder::reconstruct(const Block& block) {
         }
         for (size_t i = 0; i < block.levels[p].size(); ++i) {
             const int64_t level = block.levels[p][i];
-            const int z = static_cast<int>(
-                std::count_if(scan[i].k.begin(), scan[i].k.end(), [](int k) { return k > 0; }));
+            int z = 0;
+            for (size_t axis = 0; axis < 4; ++axis)
+                z += block.sines[axis] || scan[i].k[axis] > 0;
             const int offset = code_.offset[p == 0 ? 0 : 1][std::abs(level) == 1 ? 0 : 1];
             values[p][scan[i].where] = dequantise(level, scale[static_cast<size_t>(z)], offset);
         }
@@ -234,7 +235,7 @@ void TileDecoder::reconstruct(const Block& block) {
         }
     }
     for (size_t p = 0; p < planes; ++p) // 4.3
-        inverse_transform(values[p], block.size, F - G());
+        inverse_transform(values[p], block.size, block.sines, F - G());
 
     if (is_in_picture(block) && block.begin == Vector4{}) { // the first block of a picture
         const Vector4& picture = block.of_base ? base_size_ : size_;

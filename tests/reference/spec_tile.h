@@ -35,6 +35,7 @@ struct Block {
     bool of_base = false;
     bool copies_base = false;
     int mode = 0;                             // of a picture's block
+    std::array<bool, 4> sines{};              // whether each axis has sines
     int rotation = -1;                        // -1: not rotated
     std::optional<std::array<int, 2>> shares; // a, b; set if predicted from luma
     std::optional<size_t> copies_along;       // 0 s, 1 t
@@ -70,6 +71,7 @@ private:
     void read_segment(Stream& stream, size_t begin, size_t end, int64_t work);
     struct ColourMemory;
     void read_colour(Stream& stream, Block& block, ColourMemory& memory);
+    void read_transform(Stream& stream, Block& block);
     void read_plane(Stream& stream, Block& block, int plane, int length);
     const Scan& scan_of(const Vector4& n);
     bool is_in_picture(const Block& block) const {

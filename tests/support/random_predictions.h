@@ -30,6 +30,8 @@ public:
                                            : prediction_of(block));
         for (std::size_t i = 0; i < base.blocks.size(); ++i)
             base.predictions.push_back(mode());
+        choose_transforms(tile);
+        choose_transforms(base);
         // Blocks whose chain of copies is too long stop copying.
         tile.order = limit_copy_depths(tile.shape, tile.blocks, tile.predictions).order;
         if (!base.blocks.empty())
@@ -48,10 +50,25 @@ private:
         prediction.mode = last_mode_;
         return prediction;
     }
+    // Of blocks that have a symbol for it.
+    void choose_transforms(TileLevels& picture) {
+        const std::size_t planes =
+            picture.blocks.empty() ? 0 : picture.planes.size() / picture.blocks.size();
+        for (std::size_t i = 0; i < picture.blocks.size(); ++i) {
+            BlockPrediction& prediction = picture.predictions[i];
+            if (picture.planes[i * planes].coded_length > 0 &&
+                transform_context(prediction.mode, picture.blocks[i].shape) >= 0)
+                prediction.transform =
+                    static_cast<BlockTransform>(random_.range(0, transform_kinds - 1));
+        }
+    }
     BlockPrediction prediction_from_base() {
         if (random_.chance(0.5))
             last_base_ = random_.range(-max_displacement, max_displacement);
-        return {CopyFrom::base, base_displacement(base_, last_base_), mode_none};
+        BlockPrediction prediction;
+        prediction.from = CopyFrom::base;
+        prediction.displacement = base_displacement(base_, last_base_);
+        return prediction;
     }
     BlockPrediction prediction_of(const Block& block) {
         const int before = (block.origin[2] > 0 ? 1 : 0) + (block.origin[3] > 0 ? 2 : 0);
