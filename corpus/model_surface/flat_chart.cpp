@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <numbers>
+#include <numeric>
 
 namespace tessera::corpus {
 
@@ -40,10 +41,9 @@ void turn_into_rectangle(FlatChart& chart) {
 
 std::vector<FlatChart> cut_flat(const Model& model, double density) {
     const Facets facets = facets_of(model);
-    OwnIslands own = cut_by_uv(model, facets);
-    std::vector<FlatChart> charts = std::move(own.charts);
-    for (FlatChart& chart : cut_by_normal(model, facets, own.rest))
-        charts.push_back(std::move(chart));
+    std::vector<std::uint32_t> all(model.triangles.size());
+    std::iota(all.begin(), all.end(), 0u);
+    std::vector<FlatChart> charts = cut_by_normal(model, facets, all);
     for (FlatChart& chart : charts)
         turn_into_rectangle(chart);
     charts = merge_charts(std::move(charts), facets, density);

@@ -19,21 +19,13 @@ struct FlatChart {
     glm::dvec2 sides{0.0};
 };
 
-// Islands of the model's own texture coordinates, in world units, and the triangles of the other
-// islands, which overlap themselves or are stretched too much.
-struct OwnIslands {
-    std::vector<FlatChart> charts;
-    std::vector<std::uint32_t> rest;
-};
-OwnIslands cut_by_uv(const Model& model, const Facets& facets);
-
 // Connected pieces of these triangles whose normals differ little, projected along their mean
 // normals.
 std::vector<FlatChart> cut_by_normal(const Model& model, const Facets& facets,
                                      const std::vector<std::uint32_t>& triangles);
 
-// The own islands of the model, and its other triangles cut by their normals. Small charts are
-// merged where that saves texels at `density` texels per world unit.
+// The whole model, cut by its normals. Small charts are merged where that saves texels at `density`
+// texels per world unit.
 std::vector<FlatChart> cut_flat(const Model& model, double density);
 
 // Rotates the chart to the smallest rectangle of a few tries and moves it to (0, 0).

@@ -49,31 +49,8 @@ TEST(ModelSurface, ChartsDoNotOverlap) {
     }
 }
 
-TEST(ModelSurface, OwnCoordinatesAreUsedWhereTheyLieFlat) {
-    Model model = cube_model();
-    for (std::uint32_t i = 0; i < model.vertices.size(); ++i) // six squares side by side
-        model.vertices[i].uv[0] = {(static_cast<float>(i / 4) + 0.9f * static_cast<float>(i % 2)) /
-                                       6.0f,
-                                   static_cast<float>(i / 2 % 2)};
-    std::vector<FlatChart> charts = cut_by_uv(model, facets_of(model)).charts;
-    ASSERT_EQ(charts.size(), 6u);
-    for (FlatChart& chart : charts) { // the same area as in the world
-        turn_into_rectangle(chart);
-        EXPECT_NEAR(chart.sides.x * chart.sides.y, 16.0, 1e-3);
-    }
-    // An island without area is cut again. The others are kept.
-    for (std::size_t i = 0; i < 4; ++i)
-        model.vertices[i].uv[0].x = 0.5f;
-    const OwnIslands some = cut_by_uv(model, facets_of(model));
-    EXPECT_EQ(some.charts.size(), 5u);
-    EXPECT_EQ(some.rest, (std::vector<std::uint32_t>{0, 1}));
-    EXPECT_EQ(cut_flat(model, 4.0).size(), 6u);
-    expect_no_overlap(atlas_of(model, 2000));
-}
-
-// Squares of side 1, each with its own vertices, in rows of 32. Texture coordinates leave a gap
-// between them and begin at `far`.
-Model loose_squares(std::uint32_t count, float far) {
+// Squares of side 1, each with its own vertices, in rows of 32.
+Model loose_squares(std::uint32_t count) {
     Model model;
     model.materials.emplace_back();
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -83,7 +60,6 @@ Model loose_squares(std::uint32_t count, float far) {
             ModelVertex v;
             v.position = {x + right, y + up, 0.0f};
             v.normal = {0.0f, 0.0f, 1.0f};
-            v.uv[0] = {far * x + right, -(far * y + up)};
             model.vertices.push_back(v);
         }
         model.triangles.push_back({{4 * i, 4 * i + 1, 4 * i + 2}, 0});
@@ -92,18 +68,9 @@ Model loose_squares(std::uint32_t count, float far) {
     return model;
 }
 
-TEST(ModelSurface, AnyNumberOfOwnIslandsIsKept) {
-    const Model model = loose_squares(1000, 2.0f);
-    const OwnIslands own = cut_by_uv(model, facets_of(model));
-    EXPECT_EQ(own.charts.size(), 1000u);
-    EXPECT_TRUE(own.rest.empty());
-}
-
 TEST(ModelSurface, SmallChartsAreMerged) {
     // 2000 triangles without common vertices, on both sides, as in models of foliage.
-    Model model = loose_squares(1000, 2.0f);
-    for (ModelVertex& v : model.vertices)
-        v.uv[0] = {0.0f, 0.0f};
+    Model model = loose_squares(1000);
     const std::vector<ModelTriangle> fronts = std::move(model.triangles);
     model.triangles.clear();
     for (const ModelTriangle& t : fronts) {
@@ -111,15 +78,12 @@ TEST(ModelSurface, SmallChartsAreMerged) {
         model.triangles.push_back({{t.vertices[0], t.vertices[2], t.vertices[1]}, 0});
     }
     EXPECT_LE(cut_flat(model, 2.0).size(), 2u);
-    // Own islands are merged across seams, too, where a texel is as large as they are.
-    const Model islands = loose_squares(1000, 2.0f);
-    EXPECT_LE(cut_flat(islands, 2.0).size(), 100u);
-    expect_no_overlap(atlas_of(islands, 4000));
+    expect_no_overlap(atlas_of(model, 4000));
     EXPECT_EQ(cut_flat(cube_model(), 2.0).size(), 6u); // not across sharp edges
 }
 
 TEST(ModelSurface, EdgesJoinTrianglesAtTheSamePosition) {
-    Model model = loose_squares(2, 2.0f);
+    Model model = loose_squares(2);
     model.vertices[4].position.y += 1e-7f; // rounded in another way
     const Facets facets = facets_of(model);
     EXPECT_EQ(facets.neighbours[1], (std::array<std::int64_t, 3>{2, -1, 0}));
