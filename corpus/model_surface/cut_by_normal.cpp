@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
+#include <numeric>
 #include <queue>
 
 namespace tessera::corpus {
@@ -14,16 +15,14 @@ namespace {
 constexpr double least_cosine = 0.58, least_cosine_joining = 0.35;
 constexpr double small_share = 0.004; // of the whole area: smaller charts join another one
 
-constexpr std::uint32_t nowhere = UINT32_MAX;   // not yet in a chart
-constexpr std::uint32_t taken = UINT32_MAX - 1; // not to be cut
+constexpr std::uint32_t nowhere = UINT32_MAX; // not yet in a chart
 
 // Grows charts from the largest free triangle, always to the neighbour with the nearest normal.
 class Growth {
 public:
-    Growth(const Facets& facets, std::vector<std::uint32_t> triangles)
-        : f_(facets), order_(std::move(triangles)), chart_of_(facets.areas.size(), taken) {
-        for (const std::uint32_t i : order_)
-            chart_of_[i] = nowhere;
+    explicit Growth(const Facets& facets)
+        : f_(facets), order_(facets.areas.size()), chart_of_(facets.areas.size(), nowhere) {
+        std::iota(order_.begin(), order_.end(), 0u);
         std::stable_sort(order_.begin(), order_.end(),
                          [&](auto a, auto b) { return f_.areas[a] > f_.areas[b]; });
     }
@@ -79,7 +78,7 @@ private:
                 for (const std::int64_t n : f_.neighbours[i]) {
                     const std::uint32_t other =
                         n < 0 ? own : chart_of_[static_cast<std::size_t>(n)];
-                    if (other == own || other == taken || areas_[other] < areas_[own])
+                    if (other == own || areas_[other] < areas_[own])
                         continue;
                     const double cosine = glm::dot(glm::normalize(sums_[other]), f_.normals[i]);
                     if (cosine > best) {
@@ -153,11 +152,10 @@ void lay_flat(const Model& model, const Facets& f, std::vector<std::uint32_t> pi
 
 } // namespace
 
-std::vector<FlatChart> cut_by_normal(const Model& model, const Facets& facets,
-                                     const std::vector<std::uint32_t>& triangles) {
-    const std::vector<std::uint32_t> chart_of = Growth(facets, triangles).run();
+std::vector<FlatChart> cut_by_normal(const Model& model, const Facets& facets) {
+    const std::vector<std::uint32_t> chart_of = Growth(facets).run();
     std::map<std::uint32_t, std::vector<std::uint32_t>> pieces;
-    for (const std::uint32_t i : triangles)
+    for (std::uint32_t i = 0; i < chart_of.size(); ++i)
         pieces[chart_of[i]].push_back(i);
     std::vector<FlatChart> charts;
     for (auto& [number, piece] : pieces)

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <numbers>
-#include <numeric>
 
 namespace tessera::corpus {
 
@@ -41,9 +40,7 @@ void turn_into_rectangle(FlatChart& chart) {
 
 std::vector<FlatChart> cut_flat(const Model& model, double density) {
     const Facets facets = facets_of(model);
-    std::vector<std::uint32_t> all(model.triangles.size());
-    std::iota(all.begin(), all.end(), 0u);
-    std::vector<FlatChart> charts = cut_by_normal(model, facets, all);
+    std::vector<FlatChart> charts = cut_by_normal(model, facets);
     for (FlatChart& chart : charts)
         turn_into_rectangle(chart);
     charts = merge_charts(std::move(charts), facets, density);

@@ -19,10 +19,8 @@ struct FlatChart {
     glm::dvec2 sides{0.0};
 };
 
-// Connected pieces of these triangles whose normals differ little, projected along their mean
-// normals.
-std::vector<FlatChart> cut_by_normal(const Model& model, const Facets& facets,
-                                     const std::vector<std::uint32_t>& triangles);
+// Connected pieces of the model whose normals differ little, projected along their mean normals.
+std::vector<FlatChart> cut_by_normal(const Model& model, const Facets& facets);
 
 // The whole model, cut by its normals. Small charts are merged where that saves texels at `density`
 // texels per world unit.
