@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/byte_source.h"
+#include "format/layers.h"
 #include "format/levels.h"
 #include "format/metadata.h"
 #include "format/status.h"
@@ -47,6 +48,7 @@ enum class ContainerRule : int {
     levels = 14,
     root = 15,
     geometry = 16, // section geom
+    layers = 17,   // section LAYR, and what the layers hold
     index_crc = 20,
     index_record = 21, // lengths, pages and size of the record agree with section ROOT
     proxy_mesh = 22,   // section prxy holds a mesh
@@ -147,6 +149,9 @@ public:
     // Section prxy of a file whose proxy is a mesh, for decode_mesh() of format/surface_mesh.h;
     // empty for any other file. At most 2^28 bytes.
     std::span<const std::byte> proxy_mesh() const;
+
+    // The layers of the file besides this texture, which is the first layer. None in most files.
+    const Layers& layers() const;
 
     // Reads the whole index. Errors: io, invalid_file.
     Result<TileSummary> summarise_tiles() const;

@@ -1,8 +1,7 @@
 // The light that leaves each texel of a model's atlas.
 #pragma once
 
-#include "corpus/model_surface/model_atlas.h"
-#include "corpus/surface/texel_places.h"
+#include "corpus/model_surface/model_places.h"
 #include "corpus/trace/tracer.h"
 
 namespace tessera::corpus {
@@ -24,13 +23,14 @@ public:
     static Result<std::shared_ptr<const LitModel>> make(ModelAtlas atlas, ModelLight light,
                                                         const LitModelOptions& options);
 
-    const TexelPlaces& places() const { return places_; }
-    const SurfaceMesh& mesh() const { return mesh_; }
+    const TexelPlaces& places() const { return places_.texel_places(); }
     bool matters(std::uint32_t u, std::uint32_t v) const {
-        return places_.matters(u, v) && !hidden_[index(u, v)];
+        return places().matters(u, v) && !hidden_[index(u, v)];
     }
     // The frame at the texel's centre. Precondition: places().matters(u, v).
-    SurfaceFrame frame(std::uint32_t u, std::uint32_t v) const;
+    SurfaceFrame frame(std::uint32_t u, std::uint32_t v) const {
+        return places_.place(u, v, {0.0, 0.0}).frame;
+    }
     // The light that arrives at places of a texel, for all its directions.
     struct Arriving;
     std::shared_ptr<const Arriving> arriving(std::uint32_t u, std::uint32_t v) const;
@@ -44,30 +44,20 @@ public:
                            std::uint64_t seed) const;
 
 private:
-    struct Place {
-        LitPoint point;
-        SurfaceFrame frame;
-    };
-
-    LitModel(ModelAtlas atlas, std::shared_ptr<const RayModel> model, ModelLight light,
-             const LitModelOptions& options, TexelPlaces places);
+    LitModel(ModelPlaces places, ModelLight light, const LitModelOptions& options);
 
     std::size_t index(std::uint32_t u, std::uint32_t v) const {
-        return std::size_t{v} * places_.size()[0] + u;
+        return std::size_t{v} * places().size()[0] + u;
     }
-    Place place(std::uint32_t u, std::uint32_t v, const glm::dvec2& offset) const;
     glm::dvec3 diffuse(std::uint32_t u, std::uint32_t v, std::uint64_t seed) const;
     glm::dvec3 light_with(std::uint32_t u, std::uint32_t v, AngularMap map, double s, double t,
                           const glm::dvec3& diffuse, const Arriving& arriving,
                           std::uint64_t seed) const;
     std::shared_ptr<const Arriving> arriving_with(std::uint32_t u, std::uint32_t v,
                                                   std::uint64_t seed) const;
-    bool is_hidden(std::uint32_t u, std::uint32_t v) const;
     void bake_rows(std::uint32_t begin, std::uint32_t step);
 
-    SurfaceMesh mesh_;
-    std::vector<glm::vec3> tangents_;
-    TexelPlaces places_;
+    ModelPlaces places_;
     Tracer tracer_;
     LitModelOptions options_;
     std::vector<glm::vec3> diffuse_;   // of each texel

@@ -174,9 +174,10 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
     atlas.charts = std::move(packed.charts);
     atlas.size = packed.size;
     const Laid laid = lay(model, flat, atlas.charts, atlas.size);
-    const MeshQuantisation bits{.position_bits = options.position_bits,
-                                .uv_bits = uv_bits_for(atlas.size),
-                                .normal_bits = 0};
+    const MeshQuantisation bits{
+        .position_bits = options.position_bits,
+        .uv_bits = uv_bits_for({atlas.size[0] * options.finer, atlas.size[1] * options.finer}),
+        .normal_bits = 0};
     TESSERA_TRY_ASSIGN(atlas.stream, encode_mesh(laid.mesh, bits));
     // Viewers see the decoded mesh, so all that follows uses it.
     TESSERA_TRY_ASSIGN(atlas.mesh, decode_mesh(atlas.stream, most_mesh_bytes));

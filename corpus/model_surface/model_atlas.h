@@ -12,6 +12,7 @@ struct ModelAtlasOptions {
     double texels = 60'000;
     Texels2 tile{32, 32};
     unsigned position_bits = 12;
+    std::uint32_t finer = 1; // texels of the finest texture on this atlas, per texel and side
 };
 
 struct ModelAtlas {

@@ -218,6 +218,19 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
     return sum;
 }
 
+bool Tracer::is_shadowed(const LitPoint& point, const glm::dvec3& direction) const {
+    return glm::dot(point.face, direction) <= 0.0 || model_->is_blocked(start_of(point), direction);
+}
+
+glm::dvec3 Tracer::from(const LitPoint& point, const glm::dvec3& direction, bool distant,
+                        PathRandom& random) const {
+    const glm::dvec3 start = start_of(point);
+    const Hit hit = model_->first_hit(start, direction);
+    if (!hit && !distant)
+        return glm::dvec3(0.0);
+    return arriving(start, direction, hit, infinite, random);
+}
+
 glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
                            PathRandom& random) const {
     return point.emission + diffuse(point, random) * bend(glm::dot(point.normal, view)) +

@@ -27,6 +27,9 @@ public:
     Tracer(std::shared_ptr<const RayModel> model, ModelLight light);
 
     const RayModel& model() const { return *model_; }
+    const ModelLight& light() const { return light_; }
+    // Whether light from far away in this direction does not reach the point.
+    bool is_shadowed(const LitPoint& point, const glm::dvec3& direction) const;
 
     // Diffuse light that leaves the point, without the factor bend() of the view's cosine.
     glm::dvec3 diffuse(const LitPoint& point, PathRandom& random) const;
@@ -45,6 +48,10 @@ public:
                            double shared, double own) const;
     glm::dvec3 specular_own(const LitPoint& point, const glm::dvec3& view, double shared,
                             double own, PathRandom& random) const;
+    // The light that reaches the point from this direction, which is a unit vector above the face:
+    // from the model and, if `distant`, from the environment.
+    glm::dvec3 from(const LitPoint& point, const glm::dvec3& direction, bool distant,
+                    PathRandom& random) const;
     // All light that leaves the point along `view`.
     glm::dvec3 leaving(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
 

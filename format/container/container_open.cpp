@@ -1,3 +1,4 @@
+#include "format/container/layer_table.h"
 #include "format/container/open_container.h"
 #include "format/io/crc32c.h"
 
@@ -71,6 +72,8 @@ Status OpenContainer::load(ByteSource& source, const OpenOptions& options, Conta
     if (has_section("meta")) {
         TESSERA_TRY_ASSIGN(metadata_, unpack_metadata(section_bytes("meta")).with_context(name()));
     }
+    rule = ContainerRule::layers;
+    TESSERA_TRY(load_layers());
     rule = ContainerRule::geometry;
     TESSERA_TRY(load_geometry());
     rule = ContainerRule::levels;
@@ -102,12 +105,15 @@ Status OpenContainer::load_header(const OpenOptions& options, ContainerRule& rul
     rule = ContainerRule::version;
     header_ = tessera::load_header(std::span(head_).first<header_bytes>());
     if (header_.version_major != format_version_major ||
-        header_.version_minor != format_version_minor)
+        (header_.version_minor != format_version_minor &&
+         header_.version_minor != format_version_minor_layers))
         return {ErrorCode::unsupported,
                 name() + ": the file has format version " + std::to_string(header_.version_major) +
                     "." + std::to_string(header_.version_minor) + ", this program reads " +
                     std::to_string(format_version_major) + "." +
-                    std::to_string(format_version_minor)};
+                    std::to_string(format_version_minor) + " and " +
+                    std::to_string(format_version_major) + "." +
+                    std::to_string(format_version_minor_layers)};
 
     // The checksum covers the section table, so the length of the table must be plausible first.
     rule = ContainerRule::length;
@@ -121,6 +127,9 @@ Status OpenContainer::load_header(const OpenOptions& options, ContainerRule& rul
         return invalid("the checksum of the header is wrong");
     rule = ContainerRule::features;
     TESSERA_TRY(check_features(header_).with_context(name()));
+    if (((header_.required_features & feature_layers) != 0) !=
+        (header_.version_minor == format_version_minor_layers))
+        return invalid("the feature of layers contradicts the format version");
     rule = ContainerRule::header_field;
     TESSERA_TRY(check_fields(header_).with_context(name()));
     rule = ContainerRule::file_size;
@@ -195,6 +204,23 @@ Status OpenContainer::load_head(const OpenOptions& options) {
         head_.resize(static_cast<std::size_t>(head_size));
         TESSERA_TRY(source_->read(have, std::span(head_).subspan(have)));
     }
+    return {};
+}
+
+// DATA of a file with layers lies behind the beginnings of the others, and before their data.
+Status OpenContainer::load_layers() {
+    const bool claims = (header_.required_features & feature_layers) != 0;
+    if (claims != has_section("LAYR"))
+        return invalid(claims ? "section LAYR is missing"
+                              : "there is a section LAYR, but not the feature of layers");
+    if (!claims)
+        return {};
+    SectionInfo& data = sections_.back();
+    TESSERA_TRY_ASSIGN(
+        layers_,
+        read_layers(section_bytes("LAYR"), data.offset, header_.file_size).with_context(name()));
+    data.offset = layers_.data_offset;
+    data.length = layers_.data_bytes;
     return {};
 }
 

@@ -93,6 +93,9 @@ std::span<const std::byte> ContainerReader::proxy_mesh() const {
     return description().proxy == Proxy::mesh ? section_bytes("prxy")
                                               : std::span<const std::byte>();
 }
+const Layers& ContainerReader::layers() const {
+    return container_->layers();
+}
 Result<TileSummary> ContainerReader::summarise_tiles() const {
     return container_->summarise_tiles();
 }

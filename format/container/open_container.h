@@ -37,6 +37,7 @@ public:
     const Metadata& metadata() const { return metadata_; }
     AlignedViews aligned_views() const { return {header_.desc.size, header_.alignment}; }
     const LevelTable& level_table() const { return table_; }
+    const Layers& layers() const { return layers_; }
     std::uint64_t tile_count() const { return table_.tile_count(); }
     std::uint32_t group_count() const { return table_.group_count(); }
     const ByteSource& source() const { return *source_; }
@@ -64,6 +65,7 @@ private:
     Status load_sections(const OpenOptions& options, ContainerRule& rule);
     void list_sections(std::span<const SectionEntry> entries);
     Status load_head(const OpenOptions& options);
+    Status load_layers();
     Status load_geometry();
     Status load_levels();
     Status load_root();
@@ -123,6 +125,7 @@ private:
     std::vector<SectionInfo> sections_; // the last two are INDX and DATA
     Metadata metadata_;
     LevelTable table_;
+    Layers layers_;
     std::span<const std::byte> root_; // into head_
     std::unique_ptr<ContainerCaches> caches_;
 };

@@ -162,7 +162,7 @@ bool has_geometry(const Description& d) {
 std::string feature_name(unsigned bit) {
     constexpr const char* names[] = {
         "coarse levels",           "corrections",  "quality layers", "colour rotation per leaf",
-        "prediction inside tiles", "stored tiles", "aligned views"};
+        "prediction inside tiles", "stored tiles", "aligned views",  "layers"};
     return bit < std::size(names) ? names[bit] : "bit " + std::to_string(bit);
 }
 
@@ -267,7 +267,7 @@ bool is_section_type(const std::string& type) {
 }
 
 bool is_known_section(const std::string& type) {
-    constexpr const char* known[] = {"CODE", "LEVL", "ROOT", "meta", "geom", "prxy"};
+    constexpr const char* known[] = {"CODE", "LEVL", "ROOT", "LAYR", "meta", "geom", "prxy"};
     return std::ranges::find(known, type) != std::end(known) || follows_head(type);
 }
 

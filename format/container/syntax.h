@@ -21,6 +21,9 @@ namespace tessera {
 inline constexpr std::array<unsigned char, 12> file_identifier = {
     0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', '\r', '\n', 0x1A, '\n'};
 
+// The minor version of files with layers; that of others is format_version_minor.
+inline constexpr std::uint16_t format_version_minor_layers = 6;
+
 // Sizes of records, in bytes, and limits.
 inline constexpr std::size_t header_bytes = 92;
 inline constexpr std::size_t header_crc_offset = 88;

@@ -11,7 +11,9 @@ inline constexpr std::uint64_t feature_corrections = 1u << 1;
 inline constexpr std::uint64_t feature_prediction = 1u << 4;
 inline constexpr std::uint64_t feature_stored = 1u << 5;
 inline constexpr std::uint64_t feature_aligned = 1u << 6;
-inline constexpr std::uint64_t known_features =
-    feature_levels | feature_corrections | feature_prediction | feature_stored | feature_aligned;
+inline constexpr std::uint64_t feature_layers = 1u << 7;
+inline constexpr std::uint64_t known_features = feature_levels | feature_corrections |
+                                                feature_prediction | feature_stored |
+                                                feature_aligned | feature_layers;
 
 } // namespace tessera

@@ -20,18 +20,6 @@ constexpr unsigned noise_trials = 200;
 constexpr corpus::Texels2 usual_directions{16, 16};
 constexpr Extent4 usual_tile{32, 32, 8, 8};
 
-Status check_model(const BakeCommand& a) {
-    if (!a.texture.size.empty())
-        return {ErrorCode::bad_argument,
-                "--size: the size of a model comes from --density and --directions"};
-    if (a.encode.description.contains("surface-map"))
-        return {ErrorCode::bad_argument, "--surface-map: a mesh always has mesh-uv"};
-    if (!is_compressed(a))
-        return {ErrorCode::bad_argument,
-                a.output + ": a model needs a .tess output, which holds the mesh"};
-    return {};
-}
-
 struct ModelFigures {
     std::size_t triangles = 0, charts = 0;
     double density = 0; // texels per world unit
@@ -39,33 +27,11 @@ struct ModelFigures {
     std::vector<std::string> notes; // what the file has that is not baked
 };
 
-// Prints what the model has that is not baked. Error: unsupported, if the command is strict.
-Result<std::vector<std::string>> say_notes(const BakeCommand& a, const corpus::Model& model) {
-    std::vector<std::string> notes;
-    for (const std::string& note : model.notes) {
-        notes.push_back(printable(note));
-        if (a.encode.strict)
-            return Status(ErrorCode::unsupported, a.scene + ": " + notes.back() + " (--strict)");
-        std::fprintf(stderr, "tessera bake: note: %s: %s\n", a.scene.c_str(), notes.back().c_str());
-    }
-    return notes;
-}
-
 void add_facts(const BakeCommand& a, const LitModelFile& file, const ModelFigures& f,
                Baking& baking) {
     const char* const map = name_of(baking.description.angular_map);
     const double exposure = file.display.exposure;
-    baking.facts = {{"model", a.scene},
-                    {"samples per texel", std::to_string(a.samples)},
-                    {"seed", std::to_string(a.seed.value_or(usual_bake_seed))},
-                    {"texels per unit", format_number(f.density, 3)}};
-    std::string notes;
-    for (const std::string& note : f.notes)
-        notes += (notes.empty() ? "" : "; ") + note;
-    if (!notes.empty())
-        baking.facts.emplace_back("notes", notes);
-    for (auto& fact : facts_of(a.model, file))
-        baking.facts.push_back(std::move(fact));
+    baking.facts = model_facts(a, file, f.density, f.notes);
     baking.input_facts = source_facts(a.scene, "model");
     for (auto& fact : source_facts(a.model.environment, "surroundings"))
         baking.input_facts.push_back(std::move(fact));
@@ -88,6 +54,47 @@ void add_facts(const BakeCommand& a, const LitModelFile& file, const ModelFigure
 }
 
 } // namespace
+
+Status check_model(const BakeCommand& a) {
+    if (!a.texture.size.empty())
+        return {ErrorCode::bad_argument,
+                "--size: the size of a model comes from --density and --directions"};
+    if (a.encode.description.contains("surface-map"))
+        return {ErrorCode::bad_argument, "--surface-map: a mesh always has mesh-uv"};
+    if (!is_compressed(a))
+        return {ErrorCode::bad_argument,
+                a.output + ": a model needs a .tess output, which holds the mesh"};
+    return {};
+}
+
+Result<std::vector<std::string>> say_notes(const BakeCommand& a, const corpus::Model& model) {
+    std::vector<std::string> notes;
+    for (const std::string& note : model.notes) {
+        notes.push_back(printable(note));
+        if (a.encode.strict)
+            return Status(ErrorCode::unsupported, a.scene + ": " + notes.back() + " (--strict)");
+        std::fprintf(stderr, "tessera bake: note: %s: %s\n", a.scene.c_str(), notes.back().c_str());
+    }
+    return notes;
+}
+
+std::vector<std::pair<std::string, std::string>>
+model_facts(const BakeCommand& a, const LitModelFile& file, double density,
+            const std::vector<std::string>& notes) {
+    std::vector<std::pair<std::string, std::string>> facts = {
+        {"model", a.scene},
+        {"samples per texel", std::to_string(a.samples)},
+        {"seed", std::to_string(a.seed.value_or(usual_bake_seed))},
+        {"texels per unit", format_number(density, 3)}};
+    std::string all;
+    for (const std::string& note : notes)
+        all += (all.empty() ? "" : "; ") + note;
+    if (!all.empty())
+        facts.emplace_back("notes", all);
+    for (auto& fact : facts_of(a.model, file))
+        facts.push_back(std::move(fact));
+    return facts;
+}
 
 void add_model_options(CLI::App& app, ModelArguments& a) {
     OptionGroup group(app, "Models");

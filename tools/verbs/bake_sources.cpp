@@ -131,6 +131,16 @@ Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a) {
     return wish;
 }
 
+Metadata metadata_of(const std::vector<std::pair<std::string, std::string>>& facts) {
+    Metadata metadata;
+    for (const auto& [name, value] : facts) {
+        std::string key = name;
+        key[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(key[0])));
+        metadata[key] = value;
+    }
+    return metadata;
+}
+
 bool is_compressed(const BakeCommand& a) {
     return a.output == standard_stream || kind_of(a.output) == TextureKind::tess;
 }

@@ -24,9 +24,11 @@ struct BakeCommand {
     TextureArguments texture;  // threads, quiet, and the size to bake
     unsigned samples = 16;
     std::optional<std::uint64_t> seed;
-    bool list = false;
+    bool list = false, layered = false;
     std::optional<double> density;
-    std::string directions; // SxT
+    std::string directions;       // SxT
+    std::optional<double> texels; // of a layer
+    std::optional<unsigned> lights;
     ModelArguments model;
     EncodeArguments encode; // its description contains the proxy
 };
@@ -55,6 +57,19 @@ Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a);
 // the words from the description in `a` that it has applied. Errors: bad_argument, if options do
 // not go together; those of the bakers.
 Result<Baking> make_baking(BakeCommand& a);
+
+// Facts as metadata: their names begin with a capital letter.
+Metadata metadata_of(const std::vector<std::pair<std::string, std::string>>& facts);
+
+// Of models only, in bake_models.cpp. What all bakes of models have in common:
+Status check_model(const BakeCommand& a); // errors: bad_argument
+// Prints what the model has that is not baked. Error: unsupported, if the command is strict.
+Result<std::vector<std::string>> say_notes(const BakeCommand& a, const corpus::Model& model);
+// Everything that the texels depend on but the files that are read.
+std::vector<std::pair<std::string, std::string>> model_facts(const BakeCommand& a,
+                                                             const LitModelFile& file,
+                                                             double density,
+                                                             const std::vector<std::string>& notes);
 
 // Of models only, in bake_models.cpp. `map` is the value of --angular-map, or empty. Errors of
 // model_baking(): those of corpus/model, corpus/trace and corpus/model_surface; bad_argument.

@@ -10,10 +10,10 @@
 #include "tools/support/progress.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/bake_layers.h"
 #include "tools/verbs/bake_sources.h"
 #include "tools/verbs/command.h"
 
-#include <cctype>
 #include <chrono>
 #include <cstdio>
 
@@ -26,11 +26,6 @@ Status list_scenes() {
                     to_string(scene.default_size).c_str(), name_of(scene.type),
                     scene.description.c_str());
     return {};
-}
-
-std::string capitalised(std::string name) {
-    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-    return name;
 }
 
 // Refuses options that an uncompressed output would silently ignore.
@@ -51,11 +46,9 @@ Status check_plain_output(const BakeCommand& a) {
 Result<EncodeOptions> options_for(const BakeCommand& a, const Baking& baking) {
     const TextureDesc& desc = baking.texels->desc();
     const bool compressed = is_compressed(a);
-    Metadata metadata;
-    for (const auto& [name, value] : baking.facts)
-        metadata[capitalised(name)] = value;
-    TESSERA_TRY_ASSIGN(auto options, make_encode_options(a.encode, a.texture.threads,
-                                                         std::move(metadata), baking.description));
+    TESSERA_TRY_ASSIGN(auto options,
+                       make_encode_options(a.encode, a.texture.threads, metadata_of(baking.facts),
+                                           baking.description));
     options.mesh = baking.mesh;
     options.mask = baking.mask.get();
     if (a.encode.tile.empty())
@@ -115,6 +108,15 @@ Status bake_plain(const BakeCommand& a, const Baking& baking, const EncodeOption
     return {};
 }
 
+// Refuses options that only --layered can honour.
+Status check_no_layer_options(const BakeCommand& a) {
+    for (const auto& [option, given] :
+         {std::pair("--texels", a.texels.has_value()), std::pair("--lights", a.lights.has_value())})
+        if (given)
+            return {ErrorCode::bad_argument, std::string(option) + ": needs --layered"};
+    return {};
+}
+
 Status run(const BakeCommand& a) {
     if (a.list)
         return list_scenes();
@@ -123,6 +125,9 @@ Status run(const BakeCommand& a) {
                 "a scene and -o OUTPUT are needed; --list shows the scenes"};
     if (!is_compressed(a))
         TESSERA_TRY(check_plain_output(a));
+    if (a.layered)
+        return with_memory_hint(bake_layered(a));
+    TESSERA_TRY(check_no_layer_options(a));
     BakeCommand own = a;
     TESSERA_TRY_ASSIGN(Baking baking, make_baking(own));
     baking.texels = interruptible(std::move(baking.texels)); // reading bakes
@@ -174,6 +179,18 @@ void declare(CLI::App& c, BakeCommand& a) {
                       "(default)")
         ->group(mesh_heading);
     add_model_options(c, a.model);
+    OptionGroup layers(c, "Layers of a model");
+    layers.flag("--layered", a.layered,
+                "Bake colours, gloss, bumps, shadows and reflections into layers of their own: "
+                "much sharper close by, in fewer bytes");
+    layers.option("--texels", "N", a.texels,
+                  "Texels of a layer of colours. Default: as many as the model's pictures resolve, "
+                  "at most 1048576",
+                  number_between(1024, 67108864));
+    layers.option("--lights", "N", a.lights,
+                  "Lights that stand for the environment; 0: none, reflections hold all light. "
+                  "Default: 64",
+                  CLI::Range(0u, 1024u));
 }
 
 } // namespace
@@ -195,6 +212,7 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
         "  tessera bake composed -o mesh.tess --proxy mesh --target-bytes 16000\n"
         "  tessera bake mirror -o mirror.tess --proxy mesh --density 64 --directions 32x32\n"
         "  tessera bake bunny.glb -o bunny.tess --env studio.exr --spp 64\n"
+        "  tessera bake helmet.glb -o helmet.tess --env studio.exr --layered\n"
         "  tessera bake lamps -o lamps.exr --size 64x32x8x8",
         declare, run);
 }

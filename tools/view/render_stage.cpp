@@ -9,6 +9,7 @@
 #include "tools/support/parse.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/view/gpu_renderer.h"
+#include "tools/view/layered_renderer.h"
 #include "tools/view/mesh_renderer.h"
 #include "tools/view/outside_colour.h"
 
@@ -152,6 +153,35 @@ Status add_cpu_renderer(const FileSurface& surface, Stage& stage) {
     return {};
 }
 
+// Draws all layers of the file.
+Status add_layered_renderer(const StageRequest& r, const FileSurface& surface, Stage& stage) {
+    const ContainerReader& container = stage.decoder->container();
+    if (!surface.mesh)
+        return {ErrorCode::unsupported, r.file + ": its layers do not lie on a mesh"};
+    if (r.via != "cpu")
+        return {ErrorCode::unsupported, r.file + ": has layers, which need --via cpu for now"};
+    if (!r.original.empty())
+        return {ErrorCode::unsupported, r.file + ": --original cannot be used with layers"};
+    const bool is_remote = network_traffic(*stage.bytes).has_value();
+    TESSERA_TRY_ASSIGN(stage.layers,
+                       open_layers(is_remote ? *stage.bytes : *stage.metered, container, r.decode));
+    stage.texels = decoded_grid(*stage.decoder);
+    std::vector<DrawnLayer> drawn = {
+        {LayerRole::diffuse, static_cast<double>(container.layers().scale), stage.texels.get(),
+         container.grid().tile_extent(), container.description().transfer}};
+    for (const OpenLayerFile& layer : stage.layers) {
+        const ContainerReader& own = layer.decoder->container();
+        stage.layer_texels.push_back(decoded_grid(*layer.decoder));
+        drawn.push_back({layer.info.role, static_cast<double>(layer.info.scale),
+                         stage.layer_texels.back().get(), own.grid().tile_extent(),
+                         own.description().transfer});
+    }
+    TESSERA_TRY_ASSIGN(stage.compressed,
+                       make_layered_renderer(drawn, container.layers().lights, surface.mesh->mesh,
+                                             surface.background, surface.options));
+    return {};
+}
+
 Status add_gpu_renderer(const StageRequest& r, const FileSurface& surface, Stage& stage) {
     const ContainerReader& container = stage.decoder->container();
     GpuRenderOptions options;
@@ -203,8 +233,9 @@ Status add_file(const StageRequest& r, const RenderOptions& options, Stage& stag
     TESSERA_TRY(open_texture_of(r, stage));
     TESSERA_TRY(find_surface(r, options, stage, surface));
     TESSERA_TRY(add_file_truth(r, surface, stage));
-    TESSERA_TRY(r.via == "cpu" ? add_cpu_renderer(surface, stage)
-                               : add_gpu_renderer(r, surface, stage));
+    TESSERA_TRY(stage.decoder->container().layers().any() ? add_layered_renderer(r, surface, stage)
+                : r.via == "cpu"                          ? add_cpu_renderer(surface, stage)
+                                                          : add_gpu_renderer(r, surface, stage));
     return add_original(r, surface, stage);
 }
 

@@ -4,6 +4,7 @@
 
 #include "codec/decoder.h"
 #include "tools/support/traffic.h"
+#include "tools/view/layer_files.h"
 #include "tools/view/planar_renderer.h"
 #include "tools/view/view_renderer.h"
 
@@ -44,6 +45,8 @@ struct Stage {
     std::optional<SphereWindow> window; // present for textures on spheres
     std::optional<PlanarViews> planar;  // present for planar views
     std::unique_ptr<TexelSource> texels, original;
+    std::vector<OpenLayerFile> layers; // besides the file's own texture
+    std::vector<std::unique_ptr<TexelSource>> layer_texels;
     std::unique_ptr<ViewRenderer> compressed, uncompressed, truth;
 
     // The reads of the file so far.

@@ -1,0 +1,142 @@
+#include "corpus/layers/distant_lights.h"
+
+#include <cmath>
+#include <list>
+#include <numbers>
+
+namespace tessera::corpus {
+namespace {
+
+// The environment is sampled on a grid of this many rows and twice as many columns.
+constexpr std::uint32_t rows = 128, columns = 2 * rows;
+
+struct Sum {
+    glm::dvec3 light{0.0};  // times solid angle
+    glm::dvec3 toward{0.0}; // directions times brightness times solid angle
+    double brightness = 0;
+
+    Sum& operator+=(const Sum& other) {
+        light += other.light;
+        toward += other.toward;
+        brightness += other.brightness;
+        return *this;
+    }
+    Sum operator-(const Sum& other) const {
+        return {light - other.light, toward - other.toward, brightness - other.brightness};
+    }
+    // Brightness times the cosine of the mean deviation: the larger, the less spread.
+    double together() const { return glm::length(toward); }
+};
+
+using Cells = std::vector<Sum>;
+
+Cells cells_of(const Environment& environment) {
+    Cells cells;
+    for (std::uint32_t y = 0; y < rows; ++y)
+        for (std::uint32_t x = 0; x < columns; ++x) {
+            const double top = std::numbers::pi * y / rows;
+            const double bottom = std::numbers::pi * (y + 1) / rows;
+            const double angle = (std::cos(top) - std::cos(bottom)) * 2.0 * std::numbers::pi /
+                                 columns; // of the cell
+            Sum sum;
+            // The picture may be finer than the grid.
+            constexpr int part = 8;
+            for (int j = 0; j < part; ++j)
+                for (int i = 0; i < part; ++i) {
+                    const double polar = top + (bottom - top) * (j + 0.5) / part;
+                    const double round =
+                        2.0 * std::numbers::pi * ((x + (i + 0.5) / part) / columns - 0.5);
+                    const glm::dvec3 d{std::sin(polar) * std::cos(round), std::cos(polar),
+                                       std::sin(polar) * std::sin(round)};
+                    const glm::dvec3 light = environment.light(d) * (angle / (part * part));
+                    const double bright = glm::dot(light, {0.2126, 0.7152, 0.0722});
+                    sum += {light, d * bright, bright};
+                }
+            cells.push_back(sum);
+        }
+    return cells;
+}
+
+struct Patch2 {
+    std::uint32_t x0, y0, x1, y1;
+    Sum sum;
+    // The best place to split it, and what that gains.
+    bool along_x = true;
+    std::uint32_t at = 0;
+    double gain = 0;
+};
+
+void find_split(const Cells& cells, Patch2& p) {
+    const auto cell = [&](std::uint32_t x, std::uint32_t y) -> const Sum& {
+        return cells[std::size_t{y} * columns + x];
+    };
+    p.sum = {};
+    for (std::uint32_t y = p.y0; y < p.y1; ++y)
+        for (std::uint32_t x = p.x0; x < p.x1; ++x)
+            p.sum += cell(x, y);
+    p.gain = 0;
+    const auto consider = [&](const Sum& part, bool along_x, std::uint32_t at) {
+        const double gain = part.together() + (p.sum - part).together() - p.sum.together();
+        if (gain > p.gain * (1.0 + 1e-9)) {
+            p.gain = gain;
+            p.along_x = along_x;
+            p.at = at;
+        }
+    };
+    Sum part;
+    for (std::uint32_t x = p.x0; x + 1 < p.x1; ++x) {
+        for (std::uint32_t y = p.y0; y < p.y1; ++y)
+            part += cell(x, y);
+        consider(part, true, x + 1);
+    }
+    part = {};
+    for (std::uint32_t y = p.y0; y + 1 < p.y1; ++y) {
+        for (std::uint32_t x = p.x0; x < p.x1; ++x)
+            part += cell(x, y);
+        consider(part, false, y + 1);
+    }
+}
+
+DistantLight light_of(const Sum& sum, double exposure) {
+    const double together = sum.together();
+    DistantLight light;
+    if (together > 0.0)
+        light.direction = glm::vec3(sum.toward / together);
+    light.spread = static_cast<float>(
+        std::sqrt(std::max(0.0, 1.0 - together / std::max(sum.brightness, 1e-30))));
+    light.irradiance = glm::vec3(sum.light * exposure);
+    return light;
+}
+
+} // namespace
+
+std::vector<DistantLight> distant_lights(const ModelLight& light, unsigned count, double exposure) {
+    const Cells cells = cells_of(*light.environment);
+    std::list<Patch2> patches{{0, 0, columns, rows, {}}};
+    find_split(cells, patches.front());
+    while (patches.size() < count) {
+        auto best = patches.begin();
+        for (auto it = patches.begin(); it != patches.end(); ++it)
+            if (it->gain > best->gain)
+                best = it;
+        if (!(best->gain > 0.0))
+            break;
+        Patch2 second = *best;
+        (best->along_x ? best->x1 : best->y1) = best->at;
+        (second.along_x ? second.x0 : second.y0) = second.at;
+        find_split(cells, *best);
+        find_split(cells, second);
+        patches.insert(std::next(best), second);
+    }
+    std::vector<DistantLight> lights;
+    for (const Patch2& patch : patches)
+        if (patch.sum.brightness > 0.0)
+            lights.push_back(light_of(patch.sum, exposure));
+    if (light.sun)
+        lights.push_back({.direction = glm::vec3(light.sun->direction),
+                          .spread = 0.0f,
+                          .irradiance = glm::vec3(light.sun->irradiance * exposure)});
+    return lights;
+}
+
+} // namespace tessera::corpus

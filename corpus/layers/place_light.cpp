@@ -1,0 +1,175 @@
+#include "corpus/layers/place_light.h"
+
+#include "corpus/trace/path_random.h"
+
+#include <cmath>
+#include <glm/common.hpp>
+#include <numbers>
+
+namespace tessera::corpus {
+namespace {
+
+// Added to the seed, so that each kind of light has its own random paths.
+constexpr std::uint64_t irradiance_paths = 0x69727261, shadow_paths = 0x73686164;
+// Harmonics of degree 2 are inexact. They change the light of the smooth normal at most so much.
+constexpr double most_change = 4.0;
+
+// Real spherical harmonics (Ramamoorthi and Hanrahan, "An efficient representation for irradiance
+// environment maps", 2001).
+std::array<double, 9> harmonics_at(const glm::dvec3& d) {
+    return {0.282095,
+            0.488603 * d.y,
+            0.488603 * d.z,
+            0.488603 * d.x,
+            1.092548 * d.x * d.y,
+            1.092548 * d.y * d.z,
+            0.315392 * (3.0 * d.z * d.z - 1.0),
+            1.092548 * d.x * d.z,
+            0.546274 * (d.x * d.x - d.y * d.y)};
+}
+
+// The diffuse lobe for a light at this cosine, per unit of diffuse colour.
+double diffuse_lobe(double cosine) {
+    return cosine > 0.0 ? diffuse_colour({.diffuse = glm::dvec3(1.0)}).x * bend(cosine) * cosine
+                        : 0.0;
+}
+
+// The factors by which the lobe multiplies the harmonics of degree 0, 1 and 2.
+std::array<double, 3> lobe_factors() {
+    constexpr int steps = 4096;
+    std::array<double, 3> sums{};
+    for (int i = 0; i < steps; ++i) {
+        const double x = (i + 0.5) / steps;
+        const double weight = 2.0 * std::numbers::pi / steps * diffuse_lobe(x);
+        sums[0] += weight;
+        sums[1] += weight * x;
+        sums[2] += weight * (1.5 * x * x - 0.5);
+    }
+    return sums;
+}
+
+glm::dvec3 convolved(const std::array<glm::vec3, 9>& radiance, const glm::dvec3& normal) {
+    static const std::array<double, 3> factors = lobe_factors();
+    const std::array<double, 9> basis = harmonics_at(normal);
+    glm::dvec3 sum(0.0);
+    for (std::size_t i = 0; i < basis.size(); ++i)
+        sum += glm::dvec3(radiance[i]) * (basis[i] * factors[i == 0 ? 0 : i < 4 ? 1 : 2]);
+    return sum;
+}
+
+// A direction of the light's patch, from a normal distribution.
+glm::dvec3 direction_within(const DistantLight& light, const glm::dvec2& random) {
+    const glm::dvec3 d(light.direction);
+    const glm::dvec3 x = any_tangent(d), y = glm::cross(d, x);
+    const double radius = static_cast<double>(light.spread) *
+                          std::sqrt(-2.0 * std::log(std::max(1.0 - random.x, 1e-9)));
+    const double angle = 2.0 * std::numbers::pi * random.y;
+    const double way = std::min(radius, 1.0);
+    return glm::normalize(d + way * (x * std::cos(angle) + y * std::sin(angle)));
+}
+
+} // namespace
+
+Result<PlaceLight> PlaceLight::make(const ModelPlaces& places, const Tracer& tracer,
+                                    std::span<const DistantLight> lights,
+                                    const PlaceLightOptions& options, const BakeRun& run) {
+    PlaceLight made;
+    const std::size_t count = places.texels();
+    made.size_ = places.texel_places().size();
+    made.lights_ = lights.size();
+    made.matters_.assign(count, 0);
+    made.visibility_.assign(count * lights.size(), 0);
+    made.diffuse_.resize(count);
+    made.normals_.resize(count);
+    made.harmonics_.resize(count);
+    TESSERA_TRY(for_rows("baking light", made.size_[1], run, [&](std::uint32_t v) {
+        for (std::uint32_t u = 0; u < made.size_[0]; ++u)
+            if (places.texel_places().matters(u, v) && !places.is_hidden(u, v)) {
+                made.matters_[made.index(u, v)] = 1;
+                made.bake(places, tracer, lights, options, u, v);
+            }
+    }));
+    return made;
+}
+
+void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer,
+                      std::span<const DistantLight> lights, const PlaceLightOptions& options,
+                      std::uint32_t u, std::uint32_t v) {
+    const std::size_t at = index(u, v);
+    const glm::dvec3 middle = places.place(u, v, {0.0, 0.0}).frame.ez;
+    normals_[at] = glm::vec3(middle);
+    glm::dvec3 lit(0.0);
+    std::array<glm::dvec3, 9> sums{};
+    const auto add = [&](const glm::dvec3& direction, const glm::dvec3& light) {
+        lit += light * diffuse_lobe(glm::dot(middle, direction));
+        const std::array<double, 9> basis = harmonics_at(direction);
+        for (std::size_t i = 0; i < basis.size(); ++i)
+            sums[i] += light * basis[i];
+    };
+    const std::uint64_t paths = mix_bits(options.seed + irradiance_paths);
+    const double share = 1.0 / options.diffuse_samples;
+    for (unsigned i = 0; i < options.diffuse_samples; ++i) {
+        PathRandom random(paths, i);
+        ModelSurfacePlace place = places.place(u, v, random.next2() - 0.5);
+        place.point.normal = place.frame.ez; // the same for all bumps
+        const Tracer::Incoming incoming = tracer.incoming(place.point, random);
+        if (incoming.density > 0.0)
+            add(incoming.direction, incoming.light * (share / incoming.density));
+        if (const auto& sun = tracer.light().sun;
+            sun && !tracer.is_shadowed(place.point, sun->direction))
+            add(sun->direction, sun->irradiance * share);
+    }
+    diffuse_[at] = glm::vec3(lit);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        harmonics_[at][i] = glm::vec3(sums[i]);
+
+    const std::uint64_t shadows = mix_bits(options.seed + shadow_paths);
+    for (unsigned i = 0; i < options.shadow_samples; ++i) {
+        PathRandom random(shadows, i);
+        const LitPoint point = places.place(u, v, random.next2() - 0.5).point;
+        const glm::dvec2 within = random.next2();
+        for (std::size_t j = 0; j < lights.size(); ++j)
+            if (!tracer.is_shadowed(point, direction_within(lights[j], within)))
+                visibility_[at * lights_ + j] = static_cast<std::uint8_t>(
+                    visibility_[at * lights_ + j] + 255 / options.shadow_samples);
+    }
+    // With rounding down above, a light that is never blocked would not be quite visible.
+    const auto most =
+        static_cast<std::uint8_t>(255 / options.shadow_samples * options.shadow_samples);
+    for (std::size_t j = 0; j < lights.size(); ++j)
+        if (std::uint8_t& share_seen = visibility_[at * lights_ + j]; share_seen == most)
+            share_seen = 255;
+}
+
+std::optional<glm::dvec3> PlaceLight::diffuse(const glm::dvec2& texel,
+                                              const glm::dvec3& normal) const {
+    const glm::dvec2 place = texel - 0.5;
+    const glm::dvec2 low = glm::floor(place), share = place - low;
+    glm::dvec3 sum(0.0);
+    double weights = 0;
+    for (int j = 0; j < 2; ++j)
+        for (int i = 0; i < 2; ++i) {
+            const double x = low.x + i, y = low.y + j;
+            if (x < 0.0 || y < 0.0 || x >= size_[0] || y >= size_[1])
+                continue;
+            const auto u = static_cast<std::uint32_t>(x), v = static_cast<std::uint32_t>(y);
+            const double weight =
+                (i == 0 ? 1.0 - share.x : share.x) * (j == 0 ? 1.0 - share.y : share.y);
+            if (!matters(u, v) || weight <= 0.0)
+                continue;
+            const std::size_t at = index(u, v);
+            const glm::dvec3 smooth = convolved(harmonics_[at], glm::dvec3(normals_[at]));
+            const glm::dvec3 bumped = convolved(harmonics_[at], normal);
+            glm::dvec3 change(1.0);
+            for (glm::length_t c = 0; c < 3; ++c)
+                change[c] =
+                    smooth[c] > 1e-6 ? std::clamp(bumped[c] / smooth[c], 0.0, most_change) : 1.0;
+            sum += weight * glm::dvec3(diffuse_[at]) * change;
+            weights += weight;
+        }
+    if (weights <= 0.0)
+        return std::nullopt;
+    return sum / weights;
+}
+
+} // namespace tessera::corpus

@@ -1,0 +1,54 @@
+// The light that reaches the places of a model: for diffuse light as a function of the normal, and
+// as shares of distant lights that are not blocked.
+#pragma once
+
+#include "corpus/layers/rows.h"
+#include "corpus/model_surface/model_places.h"
+#include "corpus/trace/tracer.h"
+#include "format/layers.h"
+
+namespace tessera::corpus {
+
+struct PlaceLightOptions {
+    unsigned diffuse_samples = 256; // paths per place
+    unsigned shadow_samples = 8;    // rays per place and light
+    std::uint64_t seed = 1;
+};
+
+// Immutable and thread-safe. Memory: 124 bytes per texel of the atlas, and a byte per texel and
+// light.
+class PlaceLight {
+public:
+    // Errors: those of for_rows().
+    static Result<PlaceLight> make(const ModelPlaces& places, const Tracer& tracer,
+                                   std::span<const DistantLight> lights,
+                                   const PlaceLightOptions& options, const BakeRun& run);
+
+    // Whether the texel shows a place that an observer can see.
+    bool matters(std::uint32_t u, std::uint32_t v) const { return matters_[index(u, v)] != 0; }
+    // The diffuse light per unit of diffuse colour at a place of the atlas in texels, interpolated
+    // between texels that matter, for a surface with this normal. Nothing if none of them matters.
+    std::optional<glm::dvec3> diffuse(const glm::dvec2& texel, const glm::dvec3& normal) const;
+    // 0..255: the share of the light that reaches the place.
+    std::uint8_t visibility(std::uint32_t u, std::uint32_t v, std::size_t light) const {
+        return visibility_[index(u, v) * lights_ + light];
+    }
+
+private:
+    // Radiance in real spherical harmonics up to degree 2.
+    using Harmonics = std::array<glm::vec3, 9>;
+
+    std::size_t index(std::uint32_t u, std::uint32_t v) const {
+        return std::size_t{v} * size_[0] + u;
+    }
+    void bake(const ModelPlaces& places, const Tracer& tracer, std::span<const DistantLight> lights,
+              const PlaceLightOptions& options, std::uint32_t u, std::uint32_t v);
+
+    Texels2 size_{0, 0};
+    std::size_t lights_ = 0;
+    std::vector<std::uint8_t> matters_, visibility_;
+    std::vector<glm::vec3> diffuse_, normals_; // without bumps
+    std::vector<Harmonics> harmonics_;
+};
+
+} // namespace tessera::corpus

@@ -1,0 +1,91 @@
+#include "corpus/model_surface/model_places.h"
+
+#include "corpus/trace/path_random.h"
+
+#include <algorithm>
+
+namespace tessera::corpus {
+namespace {
+
+constexpr unsigned hidden_rays = 24;
+
+// The nearest place within the triangle.
+glm::dvec2 inside(const glm::dvec2& barycentric) {
+    glm::dvec3 w{1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y};
+    w = glm::max(w, 0.0);
+    const double sum = w.x + w.y + w.z;
+    return {w.y / sum, w.z / sum};
+}
+
+// How far a place is outside the triangle; at most 0 within it.
+double outside(const glm::dvec2& b) {
+    return -std::min({b.x, b.y, 1.0 - b.x - b.y});
+}
+
+} // namespace
+
+ModelPlaces::ModelPlaces(std::shared_ptr<const SurfaceMesh> mesh, std::vector<Chart> charts,
+                         std::shared_ptr<const RayModel> model, TexelPlaces places)
+    : mesh_(std::move(mesh)), tangents_(mesh_tangents(*mesh_)), charts_(std::move(charts)),
+      model_(std::move(model)), places_(std::move(places)) {}
+
+Result<ModelPlaces> ModelPlaces::make(ModelAtlas atlas) {
+    TESSERA_TRY_ASSIGN(TexelPlaces places, TexelPlaces::make(atlas.mesh, atlas.charts, atlas.size));
+    TESSERA_TRY_ASSIGN(auto model, RayModel::make(std::move(atlas.model)));
+    return ModelPlaces(std::make_shared<const SurfaceMesh>(std::move(atlas.mesh)),
+                       std::move(atlas.charts), std::move(model), std::move(places));
+}
+
+Result<ModelPlaces> ModelPlaces::finer(std::uint32_t times) const {
+    std::vector<Chart> charts = charts_;
+    for (Chart& chart : charts)
+        for (std::size_t a = 0; a < 2; ++a) {
+            chart.begin[a] *= times;
+            chart.extent[a] *= times;
+        }
+    const Texels2 size{places_.size()[0] * times, places_.size()[1] * times};
+    TESSERA_TRY_ASSIGN(TexelPlaces places, TexelPlaces::make(*mesh_, charts, size));
+    return ModelPlaces(mesh_, std::move(charts), model_, std::move(places));
+}
+
+// The place on the nearest triangle around the texel, because triangles may be as small as texels.
+ModelSurfacePlace ModelPlaces::place(std::uint32_t u, std::uint32_t v,
+                                     const glm::dvec2& offset) const {
+    TrianglePlace best = places_.place(u, v, offset);
+    const std::size_t chart = places_.chart_of(best.triangle);
+    double least = outside(best.barycentric);
+    for (int y = -1; y <= 1 && least > 0.0; ++y)
+        for (int x = -1; x <= 1; ++x) {
+            const std::int64_t nu = std::int64_t{u} + x, nv = std::int64_t{v} + y;
+            if (nu < 0 || nv < 0 || nu >= places_.size()[0] || nv >= places_.size()[1])
+                continue;
+            const auto cu = static_cast<std::uint32_t>(nu), cv = static_cast<std::uint32_t>(nv);
+            if (!places_.matters(cu, cv))
+                continue;
+            const TrianglePlace other = places_.place(cu, cv, offset - glm::dvec2(x, y));
+            if (places_.chart_of(other.triangle) == chart && outside(other.barycentric) < least) {
+                least = outside(other.barycentric);
+                best = other;
+            }
+        }
+    best.barycentric = inside(best.barycentric);
+    const ModelPlace on{best.triangle, best.barycentric};
+    return {model_->point(on), surface_point(*mesh_, tangents_, on.triangle, on.barycentric).frame,
+            on};
+}
+
+bool ModelPlaces::is_hidden(std::uint32_t u, std::uint32_t v) const {
+    for (const glm::dvec2 offset : {glm::dvec2(0, 0), glm::dvec2(-1, -1), glm::dvec2(1, -1),
+                                    glm::dvec2(-1, 1), glm::dvec2(1, 1)}) {
+        const LitPoint p = place(u, v, offset).point;
+        for (unsigned i = 0; i < hidden_rays; ++i) {
+            PathRandom random(0, i);
+            const glm::dvec3 d = sample_cosine(p.face, random.next2());
+            if (!model_->meets_back(p.position + 1e-3 * p.face, d))
+                return false;
+        }
+    }
+    return true;
+}
+
+} // namespace tessera::corpus

@@ -1,0 +1,28 @@
+#include "tools/view/layer_files.h"
+
+namespace tessera {
+
+Result<std::vector<OpenLayerFile>> open_layers(ByteSource& file, const ContainerReader& first,
+                                               const DecodeOptions& options) {
+    const Layers& layers = first.layers();
+    if (layers.any())
+        TESSERA_TRY(
+            check_layer(LayerRole::diffuse, first.desc(), first.description(), layers.lights.size())
+                .with_context(first.name()));
+    std::vector<OpenLayerFile> open;
+    for (const LayerInfo& info : layers.further) {
+        OpenLayerFile layer{info, layer_bytes(file, info), nullptr};
+        TESSERA_TRY_ASSIGN(Decoder decoder, Decoder::open(*layer.bytes, options));
+        layer.decoder = std::make_unique<Decoder>(std::move(decoder));
+        const ContainerReader& container = layer.decoder->container();
+        if (container.layers().any())
+            return Status(ErrorCode::invalid_file, container.name() + ": has layers of its own");
+        TESSERA_TRY(
+            check_layer(info.role, container.desc(), container.description(), layers.lights.size())
+                .with_context(container.name()));
+        open.push_back(std::move(layer));
+    }
+    return open;
+}
+
+} // namespace tessera

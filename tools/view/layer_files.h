@@ -1,0 +1,23 @@
+// The layers of a file, each opened as a file of its own.
+#pragma once
+
+#include "codec/decoder.h"
+#include "format/layers.h"
+
+#include <memory>
+#include <vector>
+
+namespace tessera {
+
+struct OpenLayerFile {
+    LayerInfo info;
+    std::unique_ptr<ByteSource> bytes;
+    std::unique_ptr<Decoder> decoder; // of `bytes`
+};
+
+// Opens the layers besides the first one. `file` is what `first` was opened from, and outlives the
+// result. Errors: those of Decoder::open() and check_layer(), with the layer's name.
+Result<std::vector<OpenLayerFile>> open_layers(ByteSource& file, const ContainerReader& first,
+                                               const DecodeOptions& options);
+
+} // namespace tessera

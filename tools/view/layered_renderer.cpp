@@ -1,0 +1,226 @@
+#include "tools/view/layered_renderer.h"
+
+#include "corpus/model/model.h"
+#include "corpus/model_surface/display.h"
+#include "tools/view/footprint_renderer.h"
+#include "tools/view/mesh_rays.h"
+#include "tools/view/mip_source.h"
+#include "tools/view/texel_cache.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace tessera {
+namespace {
+
+glm::dvec3 linear(const glm::dvec3& value, Transfer transfer) {
+    if (transfer != Transfer::srgb)
+        return value;
+    return {corpus::srgb_to_linear(value.x), corpus::srgb_to_linear(value.y),
+            corpus::srgb_to_linear(value.z)};
+}
+
+// A layer with its mips and its cache of texels.
+class OpenLayer {
+public:
+    OpenLayer(const DrawnLayer& drawn, std::shared_ptr<const AtlasMips> mips,
+              std::uint64_t cache_bytes)
+        : drawn_(drawn), size_(drawn.texels->desc().size), mips_(std::move(mips)),
+          with_mips_(mips_->count() > 0 ? make_mip_source(*drawn.texels, *mips_, drawn.tile[axis_v])
+                                        : nullptr),
+          cache_(with_mips_ ? *with_mips_ : *drawn.texels, drawn.tile, cache_bytes) {}
+
+    LayerRole role() const { return drawn_.role; }
+    const std::shared_ptr<const AtlasMips>& mips() const { return mips_; }
+    const DrawnLayer& drawn() const { return drawn_; }
+    TexelCache& cache() { return cache_; }
+
+    // The texels at `uv` of the atlas for a pixel that covers `covered` of it, in both mips.
+    struct Places {
+        Footprint first{}, second{};
+        double share = 0; // of the second
+    };
+    Places places(AngularMap map, const glm::dvec2& uv, const glm::dvec2& st,
+                  const glm::dvec2& covered) const {
+        const double mip = mips_->mip_for(covered * glm::dvec2(size_[axis_u], size_[axis_v]));
+        const auto whole = static_cast<unsigned>(mip);
+        Places places{.first = mips_->footprint(map, uv, st, whole)};
+        if (mip > whole) {
+            places.second = mips_->footprint(map, uv, st, whole + 1);
+            places.share = mip - whole;
+        }
+        return places;
+    }
+
+private:
+    DrawnLayer drawn_;
+    Extent4 size_;
+    std::shared_ptr<const AtlasMips> mips_;
+    std::unique_ptr<TexelSource> with_mips_;
+    TexelCache cache_;
+};
+
+// What one thread needs: a reader for each layer.
+using Readers = std::vector<CachedTexels>;
+
+class LayeredRenderer final : public ViewRenderer {
+public:
+    LayeredRenderer(MeshRays rays, std::vector<DistantLight> lights,
+                    std::vector<std::unique_ptr<OpenLayer>> layers, const glm::dvec3& background,
+                    const RenderOptions& options)
+        : rays_(std::move(rays)), lights_(std::move(lights)), layers_(std::move(layers)),
+          background_(background), options_(options) {}
+
+    Result<View> render(const Camera& camera) override {
+        Readers readers;
+        for (const auto& layer : layers_)
+            readers.emplace_back(layer->cache());
+        std::vector<Readers> workers(thread_count(options_.threads), readers);
+        return draw_rays(camera, workers, options_, [&](Readers& own, const glm::dvec3& direction) {
+            return colour(own, camera, direction);
+        });
+    }
+
+private:
+    Result<glm::dvec3> colour(Readers& readers, const Camera& camera,
+                              const glm::dvec3& direction) const;
+    // The value of a layer, linear and scaled; nothing if the file has no such layer.
+    Result<std::optional<glm::dvec4>> value(Readers& readers, LayerRole role, const glm::dvec2& uv,
+                                            const glm::dvec2& st, const glm::dvec2& covered) const;
+    Result<glm::dvec3> light_of_lights(Readers& readers, const Reflectance& reflectance,
+                                       const glm::dvec2& uv, const glm::dvec2& covered) const;
+
+    MeshRays rays_;
+    std::vector<DistantLight> lights_;
+    std::vector<std::unique_ptr<OpenLayer>> layers_;
+    glm::dvec3 background_;
+    RenderOptions options_;
+    double width_ = 1.0 / std::sqrt(static_cast<double>(options_.rays)); // of a ray, in pixels
+};
+
+Result<std::optional<glm::dvec4>> LayeredRenderer::value(Readers& readers, LayerRole role,
+                                                         const glm::dvec2& uv, const glm::dvec2& st,
+                                                         const glm::dvec2& covered) const {
+    for (std::size_t i = 0; i < layers_.size(); ++i) {
+        const OpenLayer& layer = *layers_[i];
+        if (layer.role() != role)
+            continue;
+        const OpenLayer::Places places =
+            layer.places(AngularMap::octahedral_mirrored, uv, st, covered);
+        TESSERA_TRY_ASSIGN(glm::dvec4 value, sample(readers[i], places.first));
+        if (places.share > 0.0) {
+            TESSERA_TRY_ASSIGN(const glm::dvec4 second, sample(readers[i], places.second));
+            value = glm::mix(value, second, places.share);
+        }
+        const DrawnLayer& drawn = layer.drawn();
+        return std::optional(
+            glm::dvec4(linear(glm::dvec3(value), drawn.transfer) * drawn.scale, value.w));
+    }
+    return std::optional<glm::dvec4>();
+}
+
+Result<glm::dvec3> LayeredRenderer::light_of_lights(Readers& readers,
+                                                    const Reflectance& reflectance,
+                                                    const glm::dvec2& uv,
+                                                    const glm::dvec2& covered) const {
+    std::size_t i = 0;
+    while (i < layers_.size() && layers_[i]->role() != LayerRole::visibility)
+        ++i;
+    glm::dvec3 sum(0.0);
+    OpenLayer::Places places;
+    std::uint32_t columns = 1;
+    if (i < layers_.size()) {
+        places = layers_[i]->places(AngularMap::octahedral_hemisphere, uv, {0.0, 0.0}, covered);
+        columns = layers_[i]->drawn().texels->desc().size[axis_s];
+    }
+    for (std::uint32_t j = 0; j < lights_.size(); ++j) {
+        const glm::dvec3 light = reflectance.of(lights_[j]);
+        if (std::max({light.x, light.y, light.z}) < 1e-5)
+            continue;
+        double seen = i < layers_.size() ? 0.0 : 1.0;
+        for (int part = 0; part < 2 && i < layers_.size(); ++part) {
+            const double weight = part == 0 ? 1.0 - places.share : places.share;
+            if (weight <= 0.0)
+                continue;
+            for (const WeightedTexel& t : part == 0 ? places.first : places.second)
+                if (t.weight > 0.0) {
+                    TESSERA_TRY_ASSIGN(const glm::dvec4 value,
+                                       readers[i].texel(t.u, t.v, j % columns, j / columns));
+                    seen += weight * t.weight * value.x;
+                }
+        }
+        sum += seen * light;
+    }
+    return sum;
+}
+
+Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camera,
+                                           const glm::dvec3& direction) const {
+    const auto hit = rays_.first_hit(camera, direction);
+    if (!hit)
+        return background_;
+    const glm::dvec3 view = -glm::normalize(direction);
+    const glm::dvec2 covered = width_ * hit->covered, uv = hit->point.uv;
+    const auto get = [&](LayerRole role, const glm::dvec2& st = glm::dvec2(0.5)) {
+        return value(readers, role, uv, st, covered);
+    };
+    Reflectance reflectance{.normal = hit->point.frame.ez, .view = view};
+    TESSERA_TRY_ASSIGN(const auto bump, get(LayerRole::normal));
+    if (bump)
+        reflectance.normal =
+            bumped_normal(hit->point.frame, (glm::dvec2(*bump) * 255.0 - 128.0) / 127.0);
+    reflectance.normal = facing_normal(reflectance.normal, view);
+    TESSERA_TRY_ASSIGN(const auto diffuse, get(LayerRole::diffuse));
+    glm::dvec3 light(*diffuse);
+    TESSERA_TRY_ASSIGN(const auto specular, get(LayerRole::specular));
+    glm::dvec3 reflected(1.0);
+    if (specular) {
+        TESSERA_TRY_ASSIGN(const auto roughness, get(LayerRole::roughness));
+        reflectance.specular = glm::dvec3(*specular);
+        reflectance.roughness = roughness ? roughness->x : 1.0;
+        light *= reflectance.diffuse_share();
+        TESSERA_TRY_ASSIGN(const glm::dvec3 direct,
+                           light_of_lights(readers, reflectance, uv, covered));
+        light += direct;
+        reflected = reflectance.of_reflection();
+    }
+    SurfaceFrame frame = hit->point.frame;
+    frame.ez = reflectance.normal;
+    TESSERA_TRY_ASSIGN(
+        const auto reflection,
+        get(LayerRole::reflection, octahedral_place(AngularMap::octahedral_mirrored, frame, view)));
+    if (reflection)
+        light += reflected * glm::dvec3(*reflection);
+    TESSERA_TRY_ASSIGN(const auto emission, get(LayerRole::emission));
+    if (emission)
+        light += glm::dvec3(*emission);
+    return corpus::Display().value(light);
+}
+
+} // namespace
+
+Result<std::unique_ptr<ViewRenderer>> make_layered_renderer(std::span<const DrawnLayer> layers,
+                                                            std::vector<DistantLight> lights,
+                                                            SurfaceMesh mesh,
+                                                            const glm::dvec3& background,
+                                                            const RenderOptions& options) {
+    std::vector<std::unique_ptr<OpenLayer>> open;
+    for (const DrawnLayer& layer : layers) {
+        const TileGrid tiles(layer.texels->desc().size, layer.tile);
+        std::shared_ptr<const AtlasMips> mips;
+        // Layers of the same size and tiles share their mips.
+        for (const auto& other : open)
+            if (other->drawn().tile == layer.tile &&
+                other->drawn().texels->desc().size == layer.texels->desc().size)
+                mips = other->mips();
+        if (!mips)
+            mips = std::make_shared<const AtlasMips>(mesh, tiles);
+        open.push_back(std::make_unique<OpenLayer>(layer, std::move(mips),
+                                                   options.cache_bytes / layers.size()));
+    }
+    TESSERA_TRY_ASSIGN(MeshRays rays, MeshRays::make(std::move(mesh)));
+    return std::unique_ptr<ViewRenderer>(std::make_unique<LayeredRenderer>(
+        std::move(rays), std::move(lights), std::move(open), background, options));
+}
+
+} // namespace tessera
