@@ -53,7 +53,7 @@ private:
 };
 
 // The ray from the place on the window into the scene, along -d. These are the formulas of
-// format/geometry.h on sines and cosines; they agree except on the axis, where no sample lies. For
+// format/sampler.h on sines and cosines; they agree except on the axis, where no sample lies. For
 // a window that is seen from inside, the frame is that of the opposite place.
 Ray window_ray(const SphereWindow& window, const Angles& angles);
 glm::dvec3 place_normal(const SinCos& longitude, const SinCos& latitude);

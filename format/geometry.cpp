@@ -1,4 +1,4 @@
-#include "format/geometry.h"
+#include "format/sampler.h"
 
 #include <algorithm>
 #include <cmath>

@@ -91,6 +91,10 @@ glm::dvec3 bumped_normal(const SurfaceFrame& frame, const glm::dvec2& xy);
 // The normal bent towards the observer, in direction `view`, where it would face away.
 glm::dvec3 facing_normal(const glm::dvec3& normal, const glm::dvec3& view);
 
+// The sample of the layer `visibility` for each light if nothing blocks it, in 0..1. It grows with the
+// light's irradiance, so that errors of dim lights cost few bits.
+std::vector<double> visibility_peaks(std::span<const DistantLight> lights);
+
 // How a place reflects light towards an observer. All vectors have unit length and point away from
 // the surface.
 struct Reflectance {

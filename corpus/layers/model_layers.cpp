@@ -150,6 +150,7 @@ Status Baker::bake_visibility() {
     LayerTexture texture = make_texture(LayerRole::visibility, whole, 1);
     make_mask(texture, whole);
     texture.tile = {16, 16, side, side};
+    const std::vector<double> peaks = visibility_peaks(out_.lights);
     TESSERA_TRY(for_rows("baking visibility", size[1], options_.run, [&](std::uint32_t v) {
         for (std::uint32_t u = 0; u < size[0]; ++u) {
             if (!light_.matters(u, v))
@@ -157,7 +158,8 @@ Status Baker::bake_visibility() {
             const glm::dvec3 normal = coarse_.place(u, v, {0.0, 0.0}).frame.ez;
             const std::size_t first = (std::size_t{v} * size[0] + u) * side * side;
             for (std::size_t j = 0; j < out_.lights.size(); ++j) {
-                texture.texels[first + j] = static_cast<std::byte>(light_.visibility(u, v, j));
+                texture.texels[first + j] =
+                    to_unorm8(peaks[j] * light_.visibility(u, v, j) / 255.0);
                 if (glm::dot(normal, glm::dvec3(out_.lights[j].direction)) > deep_below)
                     texture.mask[first + j] = std::byte{1};
             }

@@ -78,7 +78,7 @@ TEST(Hostile, IdentifierAndVersion) {
     expect_refused(patched(0, u8{0x88}), identifier, "not a Tessera file");
     expect_refused(patched(8, u8{'\n'}), identifier, "transfer in text mode");
     expect_refused(patched(12, u16{1}), version, "version 1.5", ErrorCode::unsupported);
-    expect_refused(patched(14, u16{6}), version, "version 0.6", ErrorCode::unsupported);
+    expect_refused(patched(14, u16{7}), version, "version 0.7", ErrorCode::unsupported);
     expect_refused(patched(14, u16{4}), version, "version 0.4", ErrorCode::unsupported);
     Bytes file = patched(14, u16{5});
     file[88] ^= std::byte{1};
@@ -87,7 +87,7 @@ TEST(Hostile, IdentifierAndVersion) {
 }
 
 TEST(Hostile, Features) {
-    for (const unsigned bit : {2u, 3u, 7u, 31u})
+    for (const unsigned bit : {2u, 3u, 8u, 31u})
         expect_refused(patched(16, u32{1} << bit), ContainerRule::features, feature_name(bit),
                        ErrorCode::unsupported);
     EXPECT_TRUE(open_status(patched(16, u32{2})));

@@ -1,7 +1,7 @@
 // Short names of the angular maps of surfaces, and the inverse of direction_angles().
 #pragma once
 
-#include "format/geometry.h"
+#include "format/sampler.h"
 
 #include <cmath>
 #include <numbers>

@@ -135,6 +135,9 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked,
 } // namespace
 
 Status bake_layered(const BakeCommand& a) {
+    if (!corpus::is_model_path(a.scene))
+        return {ErrorCode::bad_argument,
+                "--layered needs a model, not the built-in scene " + a.scene};
     TESSERA_TRY(check_model(a));
     TESSERA_TRY(check_layered(a));
     TESSERA_TRY(check_tess_output(a.encode, a.output));

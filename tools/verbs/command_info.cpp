@@ -8,6 +8,7 @@
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
+#include "tools/view/layer_files.h"
 
 #include <algorithm>
 #include <glm/common.hpp>
@@ -114,6 +115,27 @@ Json tess_json(const std::string& path, const ContainerReader& file, const TileS
     return json;
 }
 
+// The layers of a file, the first one included.
+Json layers_json(const ContainerReader& file, std::span<const OpenLayerFile> further) {
+    const auto row = [](LayerRole role, float scale, const ContainerReader& layer,
+                        std::uint64_t bytes) {
+        return Json{{"role", name_of(role)},
+                    {"size", to_string(layer.desc().size)},
+                    {"channels", layer.desc().channels},
+                    {"scale", scale},
+                    {"bytes", bytes}};
+    };
+    std::uint64_t rest = file.file_bytes();
+    Json json = Json::array({nullptr});
+    for (const OpenLayerFile& layer : further) {
+        const std::uint64_t bytes = layer.info.beginning_bytes + layer.info.data_bytes;
+        rest -= bytes;
+        json.push_back(row(layer.info.role, layer.info.scale, layer.decoder->container(), bytes));
+    }
+    json[0] = row(LayerRole::diffuse, file.layers().scale, file, rest);
+    return json;
+}
+
 // A value in one line. Floating-point numbers are rounded to four significant digits.
 std::string text_of(const Json& value) {
     if (value.is_number_float()) {
@@ -214,7 +236,13 @@ Result<Json> describe_tess(const InfoCommand& a) {
     if (!file.ok())
         return with_partial_hint(file.status(), *bytes, decode);
     TESSERA_TRY_ASSIGN(const auto tiles, file->summarise_tiles());
-    return tess_json(a.input, *file, tiles);
+    Json json = tess_json(a.input, *file, tiles);
+    if (file->layers().any()) {
+        TESSERA_TRY_ASSIGN(const auto further, open_layers(*bytes, *file, decode));
+        json["layers"] = layers_json(*file, further);
+        json["lights"] = file->layers().lights.size();
+    }
+    return json;
 }
 
 Result<Json> describe_other(const InfoCommand& a) {

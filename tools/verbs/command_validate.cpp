@@ -9,7 +9,9 @@
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
 #include "tools/verbs/command.h"
+#include "tools/view/layer_files.h"
 
+#include <algorithm>
 #include <iterator>
 #include <map>
 
@@ -101,6 +103,45 @@ Status check_tiles(ByteSource& bytes, const DecodeOptions& options, unsigned thr
     return {};
 }
 
+// Checks the container and the tiles of a file of one texture.
+Result<std::vector<Finding>> check_file(ByteSource& bytes, const ValidateCommand& a,
+                                        const ProgressFunction& progress) {
+    const OpenOptions open{a.texture.decode.allow_partial};
+    std::vector<Finding> findings = validate_container(
+        bytes,
+        [&](double done, double total) {
+            if (progress)
+                progress("checking pages", done, total);
+        },
+        open);
+    // If the file does not open, its finding says why, and there are no tiles to check.
+    if (ContainerReader::open(bytes, open).ok())
+        TESSERA_TRY(check_tiles(bytes, a.texture.decode, a.texture.threads, progress, findings));
+    return findings;
+}
+
+// Checks the further layers of a file, if it has any.
+Status check_layers(ByteSource& bytes, const ValidateCommand& a, const ProgressFunction& progress,
+                    std::vector<Finding>& findings) {
+    const auto first = ContainerReader::open(bytes, {a.texture.decode.allow_partial});
+    if (!first.ok())
+        return {}; // there is a finding already
+    for (const LayerInfo& info : first->layers().further) {
+        const auto layer = layer_bytes(bytes, info);
+        TESSERA_TRY_ASSIGN(const std::vector<Finding> own, check_file(*layer, a, progress));
+        // Its tiles have numbers of their own.
+        for (Finding finding : own) {
+            finding.first_tile = finding.tile_count = 0;
+            findings.push_back(std::move(finding));
+        }
+    }
+    const Status fits = open_layers(bytes, *first, a.texture.decode).status();
+    if (fits.code() == ErrorCode::invalid_file &&
+        std::ranges::none_of(findings, [](const Finding& f) { return f.fatal; }))
+        findings.push_back({static_cast<int>(ContainerRule::layers), true, fits.message(), 0, 0});
+    return {};
+}
+
 void print_findings(const ValidateCommand& a, const std::vector<Finding>& findings, bool valid) {
     if (a.json) {
         Json json = {{"file", a.input}, {"valid", valid}, {"findings", Json::array()}};
@@ -128,21 +169,11 @@ Status run(const ValidateCommand& a) {
     const std::unique_ptr<ByteSource> ahead =
         opened->wants_prefetch() ? read_ahead(*opened) : nullptr;
     ByteSource& bytes = ahead ? *ahead : *opened;
-    const OpenOptions open{a.texture.decode.allow_partial};
     std::vector<Finding> findings;
     {
         Progress progress("tessera validate", a.texture.quiet || a.json);
-        const ProgressFunction show = progress.function();
-        findings = validate_container(
-            bytes,
-            [&](double done, double total) {
-                if (show)
-                    show("checking pages", done, total);
-            },
-            open);
-        // If the file does not open, its finding says why, and there are no tiles to check.
-        if (ContainerReader::open(bytes, open).ok())
-            TESSERA_TRY(check_tiles(bytes, a.texture.decode, a.texture.threads, show, findings));
+        TESSERA_TRY_ASSIGN(findings, check_file(bytes, a, progress.function()));
+        TESSERA_TRY(check_layers(bytes, a, progress.function(), findings));
     }
     std::stable_sort(findings.begin(), findings.end(), [](const Finding& x, const Finding& y) {
         return std::pair(x.number, x.first_tile) < std::pair(y.number, y.first_tile);
@@ -175,7 +206,7 @@ void add_validate_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<ValidateCommand>(
         app, chosen, "validate", "Check everything in a .tess that a reader relies on",
-        "Each finding has a number: 1, the bytes cannot be read; 2 to 15, the head of the file; 20"
+        "Each finding has a number: 1, the bytes cannot be read; 2 to 17, the head of the file; 20"
         " and 21, its index; 22, its mesh; 30, a page; 40 to 43, remarks that are not errors; 50, "
         "a tile; 99, there are more findings. The exit code is 3 if one is an error, 2 if the "
         "bytes cannot be read.\n\n"

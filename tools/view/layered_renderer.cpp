@@ -68,8 +68,8 @@ public:
     LayeredRenderer(MeshRays rays, std::vector<DistantLight> lights,
                     std::vector<std::unique_ptr<OpenLayer>> layers, const glm::dvec3& background,
                     const RenderOptions& options)
-        : rays_(std::move(rays)), lights_(std::move(lights)), layers_(std::move(layers)),
-          background_(background), options_(options) {}
+        : rays_(std::move(rays)), lights_(std::move(lights)), peaks_(visibility_peaks(lights_)),
+          layers_(std::move(layers)), background_(background), options_(options) {}
 
     Result<View> render(const Camera& camera) override {
         Readers readers;
@@ -92,6 +92,7 @@ private:
 
     MeshRays rays_;
     std::vector<DistantLight> lights_;
+    std::vector<double> peaks_; // of their visibility
     std::vector<std::unique_ptr<OpenLayer>> layers_;
     glm::dvec3 background_;
     RenderOptions options_;
@@ -137,7 +138,7 @@ Result<glm::dvec3> LayeredRenderer::light_of_lights(Readers& readers,
         const glm::dvec3 light = reflectance.of(lights_[j]);
         if (std::max({light.x, light.y, light.z}) < 1e-5)
             continue;
-        double seen = i < layers_.size() ? 0.0 : 1.0;
+        double seen = 0.0;
         for (int part = 0; part < 2 && i < layers_.size(); ++part) {
             const double weight = part == 0 ? 1.0 - places.share : places.share;
             if (weight <= 0.0)
@@ -149,7 +150,7 @@ Result<glm::dvec3> LayeredRenderer::light_of_lights(Readers& readers,
                     seen += weight * t.weight * value.x;
                 }
         }
-        sum += seen * light;
+        sum += light * (i < layers_.size() ? std::min(seen / peaks_[j], 1.0) : 1.0);
     }
     return sum;
 }

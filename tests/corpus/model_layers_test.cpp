@@ -1,0 +1,148 @@
+// Tests models that are baked into layers.
+#include "corpus/layers/distant_lights.h"
+#include "corpus/layers/model_layers.h"
+#include "corpus/trace/path_random.h"
+#include "tests/support/model_files.h"
+
+#include <numbers>
+
+namespace tessera::corpus {
+namespace {
+
+using namespace support;
+
+const LayerTexture& layer(const ModelLayers& layers, LayerRole role) {
+    for (const LayerTexture& texture : layers.layers)
+        if (texture.role == role)
+            return texture;
+    ADD_FAILURE() << "no layer " << name_of(role);
+    return layers.layers.front();
+}
+
+ModelLayers baked(const Model& model, const ModelLight& light, const ModelLayersOptions& options) {
+    auto layers = bake_model_layers(model, light, options);
+    EXPECT_TRUE(layers.ok()) << layers.status().message();
+    return std::move(*layers);
+}
+
+ModelLayersOptions quick() {
+    ModelLayersOptions options;
+    options.texels = 6000;
+    options.lights = 4;
+    options.samples = 8;
+    options.light.diffuse_samples = 64;
+    options.run.threads = 2;
+    return options;
+}
+
+// The lights of an environment have all of its light, and about its centre.
+TEST(DistantLights, AddUpToTheEnvironment) {
+    const ModelLight light{std::make_shared<const Environment>(Environment::studio()), {}};
+    glm::dvec3 all(0.0), centre(0.0);
+    constexpr unsigned count = 20000;
+    for (unsigned i = 0; i < count; ++i) {
+        PathRandom random(3, i);
+        const LightSample s = light.environment->sample(random.next2());
+        all += s.light / s.density / static_cast<double>(count);
+        centre += s.direction * (s.light.y / s.density / count);
+    }
+    for (const unsigned n : {1u, 9u, 64u}) {
+        const auto lights = distant_lights(light, n, 2.0);
+        ASSERT_EQ(lights.size(), n);
+        glm::dvec3 sum(0.0), toward(0.0);
+        double spread = 0;
+        for (const DistantLight& l : lights) {
+            sum += glm::dvec3(l.irradiance);
+            toward += glm::dvec3(l.direction) *
+                      (static_cast<double>(l.irradiance.y) * (1.0 - std::pow(l.spread, 2)));
+            spread += static_cast<double>(l.spread * l.irradiance.y);
+        }
+        EXPECT_LT(glm::length(sum - 2.0 * all), 0.02 * glm::length(2.0 * all)) << n;
+        EXPECT_LT(glm::length(toward - 2.0 * centre), 0.03 * glm::length(2.0 * centre)) << n;
+        EXPECT_LT(spread / sum.y, n == 1 ? 1.0 : n == 9 ? 0.5 : 0.2);
+    }
+    const ModelLight sunny{uniform_environment(1.0f), Sun{{0, 1, 0}, glm::dvec3(5.0)}};
+    const auto lights = distant_lights(sunny, 3, 2.0);
+    ASSERT_EQ(lights.size(), 4u);
+    EXPECT_EQ(lights[3].irradiance, glm::vec3(10.0f));
+    EXPECT_EQ(lights[3].spread, 0.0f);
+}
+
+// A convex body in uniform light sees all lights and leaves the same diffuse light everywhere.
+TEST(ModelLayers, ConvexBodiesAreLitEvenly) {
+    Model model = ball_model(12);
+    model.materials[0].base = {0.5, 0.25, 0.125, 1};
+    model.materials[0].metal = 0;
+    model.materials[0].roughness = 0.5;
+    ModelLayersOptions options = quick();
+    options.light.diffuse_samples = 512;
+    const ModelLayers layers = baked(model, white_light(), options);
+    const LayerTexture& diffuse = layer(layers, LayerRole::diffuse);
+    double lobe = 0; // the integral of the diffuse lobe over all directions of light
+    for (int i = 0; i < 1000; ++i) {
+        const double x = (i + 0.5) / 1000;
+        lobe += 2 * std::numbers::pi / 1000 * bend(x) * x *
+                diffuse_colour({.diffuse = glm::dvec3(1.0)}).x;
+    }
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < diffuse.mask.size(); ++i) {
+        if (diffuse.mask[i] == std::byte{0})
+            continue;
+        ++count;
+        for (std::size_t c = 0; c < 3; ++c)
+            ASSERT_NEAR(diffuse.scale *
+                            srgb_to_linear(std::to_integer<int>(diffuse.texels[3 * i + c]) / 255.0),
+                        lobe * 0.5 / (1 << c), 0.05)
+                << i;
+    }
+    EXPECT_GT(count, 3000u);
+    const LayerTexture& roughness = layer(layers, LayerRole::roughness);
+    const LayerTexture& specular = layer(layers, LayerRole::specular);
+    for (std::size_t i = 0; i < count; ++i)
+        if (diffuse.mask[i] != std::byte{0}) {
+            ASSERT_EQ(std::to_integer<int>(roughness.texels[i]), 128);
+            ASSERT_NEAR(srgb_to_linear(std::to_integer<int>(specular.texels[3 * i]) / 255.0), 0.04,
+                        0.002);
+        }
+    // A light above the horizon is seen, and one below it is not.
+    const LayerTexture& visibility = layer(layers, LayerRole::visibility);
+    const auto peaks = visibility_peaks(layers.lights);
+    std::array<std::size_t, 2> seen{};
+    for (std::size_t i = 0; i < visibility.mask.size(); ++i)
+        if (visibility.mask[i] != std::byte{0} && i % 4 < peaks.size()) {
+            const double share = std::to_integer<int>(visibility.texels[i]) / 255.0 / peaks[i % 4];
+            ++seen[share > 0.5];
+        }
+    EXPECT_GT(seen[1], seen[0]);
+    // It sees nothing of itself.
+    for (const std::byte b : layer(layers, LayerRole::reflection).texels)
+        ASSERT_EQ(b, std::byte{0});
+}
+
+// The bytes depend on the arguments only.
+TEST(ModelLayers, DoNotDependOnThreads) {
+    const ModelLight light{std::make_shared<const Environment>(Environment::studio()), {}};
+    ModelLayersOptions options = quick();
+    options.texels = 2000;
+    options.light.diffuse_samples = 8;
+    const ModelLayers two = baked(cube_model(), light, options);
+    options.run.threads = 1;
+    const ModelLayers one = baked(cube_model(), light, options);
+    ASSERT_EQ(one.layers.size(), two.layers.size());
+    EXPECT_TRUE(one.mesh == two.mesh);
+    for (std::size_t i = 0; i < one.layers.size(); ++i) {
+        EXPECT_TRUE(one.layers[i].texels == two.layers[i].texels);
+        EXPECT_TRUE(one.layers[i].mask == two.layers[i].mask);
+    }
+}
+
+TEST(ModelLayers, CanBeInterrupted) {
+    ModelLayersOptions options = quick();
+    options.run.cancelled = [] { return true; };
+    const auto layers = bake_model_layers(cube_model(), white_light(), options);
+    ASSERT_FALSE(layers.ok());
+    EXPECT_EQ(layers.status().code(), ErrorCode::runtime);
+}
+
+} // namespace
+} // namespace tessera::corpus

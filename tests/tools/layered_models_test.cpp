@@ -1,0 +1,74 @@
+// Tests models in layers, from the verb bake to the picture.
+#include "tests/support/cli_fixture.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace {
+
+using namespace tessera::test;
+
+class LayeredModels : public CliFixture {};
+
+// A glossy roof over a floor, which throws a shadow.
+const std::string glossy_roof = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 1 0\nv 1 1 0\n"
+                         "f 1 2 3 4\nf 4 3 6 5\nf 2 1 5 6\n";
+
+TEST_F(LayeredModels, LookLikeTheirTruth) {
+    spit(at("roof.obj"), glossy_roof);
+    const std::string lit = "bake roof.obj --light 1,2,1 --exposure 0.3 --roughness 0.4 --metal 0 "
+                            "--layered --texels 20000 --lights 8 --spp 8 --effort 1 ";
+    const Json baked = json(lit + "--quality 70 --json -o a.tess");
+    ASSERT_EQ(baked["layers"].size(), 6u);
+    EXPECT_EQ(baked["bytes"], slurp(at("a.tess")).size());
+    succeed("validate a.tess -q");
+    const Json views = json("render a.tess -o v.png --eye 9,6,5 --pixels 80x60 --truth roof.obj "
+                            "--truth-spp 64 --json")["views"];
+    EXPECT_GT(views[0]["compressed_truth"]["psnr"], 30);
+    const Json info = json("info a.tess --json");
+    ASSERT_EQ(info["layers"].size(), 6u);
+    EXPECT_EQ(info["layers"][0]["role"], "diffuse");
+    EXPECT_EQ(info["lights"], 9); // with the sun
+    EXPECT_EQ(info["metadata"]["Model"], "roof.obj");
+    std::uint64_t bytes = 0;
+    for (const Json& layer : info["layers"])
+        bytes += layer["bytes"].get<std::uint64_t>();
+    EXPECT_EQ(bytes, slurp(at("a.tess")).size());
+    // The first layer alone is an ordinary texture.
+    succeed("decode a.tess -o a.png");
+    succeed(lit + "--quality 70 --threads 1 -q -o b.tess");
+    EXPECT_TRUE(slurp(at("a.tess")) == slurp(at("b.tess")));
+}
+
+TEST_F(LayeredModels, DamageIsFoundInEveryLayer) {
+    spit(at("roof.obj"), glossy_roof);
+    succeed("bake roof.obj --layered --texels 4000 --lights 2 --spp 2 --effort 0 -q -o a.tess");
+    const std::string file = slurp(at("a.tess"));
+    std::size_t at_byte = file.size();
+    const Json layers = json("info a.tess --json")["layers"];
+    // DATA of the layers ends the file, in their order.
+    for (auto layer = layers.rbegin(); layer + 1 != layers.rend(); ++layer) {
+        std::string damaged = file;
+        damaged[at_byte - 2] = static_cast<char>(damaged[at_byte - 2] ^ 0x55);
+        spit(at("d.tess"), damaged);
+        fail(3, "validate d.tess -q", {"d.tess"});
+        break; // offsets of the others are not known here
+    }
+    spit(at("cut.tess"), file.substr(0, file.size() - 1));
+    fail(3, "render cut.tess -o v.png --pixels 8x8", {"cut.tess"});
+    fail(3, "validate cut.tess", {"cut.tess"});
+}
+
+TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
+    spit(at("roof.obj"), glossy_roof);
+    fail(1, "bake roof.obj --layered --target-psnr 40 -o a.tess", {"--target-psnr", "--quality"});
+    fail(1, "bake roof.obj --layered --size 8x8x8x8 -o a.tess", {"--size"});
+    fail(1, "bake roof.obj --layered -o a.exr", {".tess"});
+    fail(1, "bake composed --layered -o a.tess", {"--layered", "model"});
+    fail(1, "bake roof.obj --lights 3 -o a.tess", {"--lights", "--layered"});
+    fail(2, "bake nowhere.obj --layered -o a.tess", {"nowhere.obj"});
+    succeed("bake roof.obj --layered --texels 2000 --lights 0 --spp 1 --effort 0 -q -o a.tess");
+    fail(5, "render a.tess -o v.png --via load", {"a.tess", "layers", "--via cpu"});
+}
+
+} // namespace
