@@ -1,35 +1,24 @@
 // Bakes a model into layers.
 #pragma once
 
+#include "corpus/layers/layer_texture.h"
 #include "corpus/layers/place_light.h"
 #include "corpus/model_surface/model_atlas.h"
-#include "format/metadata.h"
 
 namespace tessera::corpus {
-
-// A texture of one layer, in memory.
-struct LayerTexture {
-    LayerRole role = LayerRole::diffuse;
-    TextureDesc desc;
-    std::vector<std::byte> texels;
-    // 0 where any value will do, of the size of the texture; S and T may be 1.
-    TextureDesc mask_desc;
-    std::vector<std::byte> mask;
-    double scale = 1.0; // the light of a sample of 1
-    Transfer transfer = Transfer::unspecified;
-    Extent4 tile{64, 64, 1, 1};
-};
 
 struct ModelLayersOptions {
     double texels = 1'000'000; // of the layers with one direction
     double density = 0;        // texels per world unit; 0: such that the surface has `texels`
-    unsigned lights = 64;
+    unsigned lights = 16;
     std::uint32_t light_texel = 4;       // texels along a side of one of the visibility
     std::uint32_t reflection_texel = 32; // the same of the reflection
     Texels2 directions{8, 8};            // of the reflection
     unsigned samples = 64;               // paths per texel of the reflection
     PlaceLightOptions light;
     double exposure = 1.0;
+    // Texels are baked on the decoded mesh, so coarse uv move no texel to a wrong place.
+    unsigned position_bits = 11, uv_bits = 13, normal_bits = 0;
     BakeRun run;
 };
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
-#include <tuple>
 #include <unordered_map>
 
 namespace tessera::corpus {
@@ -27,9 +26,9 @@ struct Laid {
 };
 
 Laid lay(const Model& model, const std::vector<FlatChart>& flat, const std::vector<Chart>& charts,
-         const Texels2& size) {
+         const Texels2& size, bool with_normals) {
     Laid laid;
-    using Key = std::tuple<float, float, float, float, float>;
+    using Key = std::array<float, 8>;
     std::map<Key, std::uint32_t> numbers;
     for (std::size_t c = 0; c < flat.size(); ++c) {
         numbers.clear();
@@ -37,7 +36,9 @@ Laid lay(const Model& model, const std::vector<FlatChart>& flat, const std::vect
             const ModelTriangle& triangle = model.triangles[flat[c].triangles[i]];
             std::array<std::uint32_t, 3> corners;
             for (std::size_t k = 0; k < 3; ++k) {
-                const glm::vec3& p = model.vertices[triangle.vertices[k]].position;
+                const ModelVertex& vertex = model.vertices[triangle.vertices[k]];
+                const glm::vec3& p = vertex.position;
+                const glm::vec3 n = with_normals ? vertex.normal : glm::vec3(0.0f);
                 glm::vec2 uv;
                 for (glm::length_t a = 0; a < 2; ++a) {
                     const auto axis = static_cast<std::size_t>(a);
@@ -49,11 +50,13 @@ Laid lay(const Model& model, const std::vector<FlatChart>& flat, const std::vect
                                                size[axis]);
                 }
                 const auto [it, is_new] =
-                    numbers.emplace(Key(p.x, p.y, p.z, uv.x, uv.y),
+                    numbers.emplace(Key{p.x, p.y, p.z, uv.x, uv.y, n.x, n.y, n.z},
                                     static_cast<std::uint32_t>(laid.mesh.positions.size()));
                 if (is_new) {
                     laid.mesh.positions.push_back(p);
                     laid.mesh.uv.push_back(uv);
+                    if (with_normals)
+                        laid.mesh.normals.push_back(n);
                 }
                 corners[k] = it->second;
             }
@@ -173,11 +176,11 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
     TESSERA_TRY_ASSIGN(Atlas packed, pack_charts(flat, atlas.density, options.tile));
     atlas.charts = std::move(packed.charts);
     atlas.size = packed.size;
-    const Laid laid = lay(model, flat, atlas.charts, atlas.size);
-    const MeshQuantisation bits{
-        .position_bits = options.position_bits,
-        .uv_bits = uv_bits_for({atlas.size[0] * options.finer, atlas.size[1] * options.finer}),
-        .normal_bits = 0};
+    const Laid laid = lay(model, flat, atlas.charts, atlas.size, options.normal_bits > 0);
+    const MeshQuantisation bits{.position_bits = options.position_bits,
+                                .uv_bits = options.uv_bits != 0 ? options.uv_bits
+                                                                : uv_bits_for(atlas.size),
+                                .normal_bits = options.normal_bits};
     TESSERA_TRY_ASSIGN(atlas.stream, encode_mesh(laid.mesh, bits));
     // Viewers see the decoded mesh, so all that follows uses it.
     TESSERA_TRY_ASSIGN(atlas.mesh, decode_mesh(atlas.stream, most_mesh_bytes));

@@ -12,7 +12,8 @@ struct ModelAtlasOptions {
     double texels = 60'000;
     Texels2 tile{32, 32};
     unsigned position_bits = 12;
-    std::uint32_t finer = 1; // texels of the finest texture on this atlas, per texel and side
+    unsigned normal_bits = 0; // 0: the normals of the model are not stored
+    unsigned uv_bits = 0;     // 0: such that uv are exact to a sixteenth of a texel
 };
 
 struct ModelAtlas {

@@ -184,13 +184,12 @@ void declare(CLI::App& c, BakeCommand& a) {
                 "Bake colours, gloss, bumps, shadows and reflections into layers of their own: "
                 "much sharper close by, in fewer bytes");
     layers.option("--texels", "N", a.texels,
-                  "Texels of a layer of colours. Default: as many as the model's pictures resolve, "
-                  "at most 1048576",
+                  "Texels of a layer of colours. Default: 1000000",
                   number_between(1024, 67108864));
     layers.option("--lights", "N", a.lights,
                   "Lights that stand for the environment; 0: none, reflections hold all light. "
-                  "Default: 64",
-                  CLI::Range(0u, 1024u));
+                  "Default: 16",
+                  CLI::Range(0u, 1000u));
 }
 
 } // namespace

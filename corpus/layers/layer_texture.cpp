@@ -1,0 +1,51 @@
+#include "corpus/layers/layer_texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera::corpus {
+namespace {
+
+constexpr double least_scale = 1e-3;
+
+std::byte to_unorm8(double x) {
+    return static_cast<std::byte>(static_cast<unsigned>(255.0 * std::clamp(x, 0.0, 1.0) + 0.5));
+}
+
+} // namespace
+
+double linear_to_srgb(double x) {
+    x = std::clamp(x, 0.0, 1.0);
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
+}
+
+LayerTexture make_layer(LayerRole role, const Extent4& size, std::uint8_t channels) {
+    LayerTexture layer;
+    layer.role = role;
+    layer.desc = {size, SampleType::unorm8, channels};
+    layer.texels.assign(layer.desc.box_bytes(Box4::whole(size)), std::byte{0});
+    layer.mask_desc = {size, SampleType::unorm8, 1};
+    layer.mask.assign(texel_count(size), std::byte{0});
+    return layer;
+}
+
+void store_values(LayerTexture& layer, std::size_t texel, std::initializer_list<double> values) {
+    std::byte* at = layer.texels.data() + texel * layer.desc.channels;
+    for (const double value : values)
+        *at++ = to_unorm8(value);
+    layer.mask[texel] = std::byte{1};
+}
+
+void store_light(LayerTexture& layer, const LightTexels& light, double most) {
+    double brightest = least_scale;
+    for (const glm::vec3& x : light)
+        brightest = std::max(brightest, static_cast<double>(std::max({x.x, x.y, x.z})));
+    layer.scale = std::min(brightest, most);
+    layer.transfer = Transfer::srgb;
+    for (std::size_t i = 0; i < light.size(); ++i)
+        for (glm::length_t c = 0; c < 3; ++c)
+            layer.texels[3 * i + static_cast<std::size_t>(c)] =
+                to_unorm8(linear_to_srgb(static_cast<double>(light[i][c]) / layer.scale));
+}
+
+} // namespace tessera::corpus

@@ -1,0 +1,38 @@
+// The texture of one layer, in memory.
+#pragma once
+
+#include "format/layers.h"
+#include "format/metadata.h"
+#include "format/texture.h"
+
+#include <vector>
+
+namespace tessera::corpus {
+
+struct LayerTexture {
+    LayerRole role = LayerRole::diffuse;
+    TextureDesc desc;
+    std::vector<std::byte> texels;
+    TextureDesc mask_desc;       // of the mask: the sides of the texture, or S = T = 1
+    std::vector<std::byte> mask; // 0 where any value will do
+    double scale = 1.0;          // the light of a sample of 1
+    Transfer transfer = Transfer::unspecified;
+    Extent4 tile{64, 64, 1, 1};
+};
+
+// All texels are 0 and masked. The mask has the size of the texture.
+LayerTexture make_layer(LayerRole role, const Extent4& size, std::uint8_t channels);
+
+// Stores a value per channel, 0..1, in a texel, and unmasks it.
+void store_values(LayerTexture& layer, std::size_t texel, std::initializer_list<double> values);
+
+// Light before its scale is known: linear, of each texel.
+using LightTexels = std::vector<glm::vec3>;
+
+// Stores light as sRGB, with the scale such that nothing above `most` is clipped.
+void store_light(LayerTexture& layer, const LightTexels& light, double most);
+
+// The sRGB value of linear light in 0..1.
+double linear_to_srgb(double x);
+
+} // namespace tessera::corpus

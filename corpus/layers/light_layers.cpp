@@ -1,0 +1,109 @@
+#include "corpus/layers/light_layers.h"
+
+#include "corpus/trace/path_random.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera::corpus {
+namespace {
+
+constexpr std::uint64_t reflection_paths = 0x72666C63;
+constexpr double most_reflection = 64.0; // times white
+
+// The mean light from the mirrored direction (s, t) at the texels, as rough as they are.
+glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& places,
+                         const Tracer& tracer, const ReflectionOptions& options, double s,
+                         double t) {
+    glm::dvec3 sum(0.0);
+    double weights = 0;
+    for (unsigned i = 0; i < options.samples; ++i) {
+        PathRandom random(mix_bits(options.seed + reflection_paths), i);
+        const double which = random.next();
+        const Texels2& texel =
+            texels[std::min(static_cast<std::size_t>(which * static_cast<double>(texels.size())),
+                            texels.size() - 1)];
+        ModelSurfacePlace at = places.place(texel[0], texel[1], random.next2() - 0.5);
+        at.point.normal = at.frame.ez;
+        const glm::dvec3 n = at.frame.ez;
+        glm::dvec3 view = octahedral_direction(AngularMap::octahedral_mirrored, at.frame, s, t);
+        view -= 2.0 * std::min(glm::dot(view, n), 0.0) * n;
+        const double nv = std::max(glm::dot(view, n), 0.02);
+        const glm::dvec3 l = sample_ggx(at.point.lobes.alpha, n, view, random.next2());
+        const double nl = glm::dot(n, l);
+        if (nl <= 0.0 || glm::dot(at.point.face, l) <= 0.0)
+            continue;
+        // The rest of the lobe after its density of sample_ggx(): G2 / G1.
+        const double a = at.point.lobes.alpha;
+        const double weight = 2.0 * nl * (nv + smith_root(a, nv)) * smith_visibility(a, nl, nv);
+        sum += weight * tracer.from(at.point, l, options.distant, random);
+        weights += weight;
+    }
+    return weights > 0.0 ? sum * (options.exposure / weights) : glm::dvec3(0.0);
+}
+
+} // namespace
+
+Result<LayerTexture> bake_visibility_layer(const ModelPlaces& places, const PlaceLight& light,
+                                           std::span<const DistantLight> lights,
+                                           const BakeRun& run) {
+    constexpr double deep_below = -0.3; // no bump turns there
+    const Texels2 size = places.texel_places().size();
+    std::uint32_t side = 1;
+    while (side * side < lights.size())
+        ++side;
+    const Extent4 whole{size[0], size[1], side, side};
+    LayerTexture texture = make_layer(LayerRole::visibility, whole, 1);
+    texture.tile = {16, 16, side, side};
+    const std::vector<double> peaks = visibility_peaks(lights);
+    TESSERA_TRY(for_rows("baking visibility", size[1], run, [&](std::uint32_t v) {
+        for (std::uint32_t u = 0; u < size[0]; ++u) {
+            if (!light.matters(u, v))
+                continue;
+            const glm::dvec3 normal = places.place(u, v, {0.0, 0.0}).frame.ez;
+            const std::size_t first = (std::size_t{v} * size[0] + u) * side * side;
+            for (std::size_t j = 0; j < lights.size(); ++j) {
+                store_values(texture, first + j, {peaks[j] * light.visibility(u, v, j) / 255.0});
+                if (glm::dot(normal, glm::dvec3(lights[j].direction)) < deep_below)
+                    texture.mask[first + j] = std::byte{0};
+            }
+        }
+    }));
+    return texture;
+}
+
+Result<LayerTexture> bake_reflection_layer(const ModelPlaces& places, const PlaceLight& light,
+                                           const Tracer& tracer, const ReflectionOptions& options,
+                                           const BakeRun& run) {
+    const std::uint32_t step = std::max(options.cell, 1u);
+    const Texels2 all = places.texel_places().size();
+    const Texels2 size{(all[0] + step - 1) / step, (all[1] + step - 1) / step};
+    const auto [columns, rows] = options.directions;
+    const Extent4 whole{size[0], size[1], columns, rows};
+    LayerTexture texture = make_layer(LayerRole::reflection, whole, 3);
+    texture.mask_desc.size = {size[0], size[1], 1, 1};
+    texture.mask.assign(texel_count(texture.mask_desc.size), std::byte{0});
+    texture.tile = {16, 16, std::min(columns, 32u), std::min(rows, 32u)};
+    LightTexels arriving(texel_count(whole), glm::vec3(0.0f));
+    TESSERA_TRY(for_rows("baking reflections", size[1], run, [&](std::uint32_t v) {
+        for (std::uint32_t u = 0; u < size[0]; ++u) {
+            std::vector<Texels2> texels;
+            for (std::uint32_t y = v * step; y < std::min((v + 1) * step, all[1]); ++y)
+                for (std::uint32_t x = u * step; x < std::min((u + 1) * step, all[0]); ++x)
+                    if (light.matters(x, y))
+                        texels.push_back({x, y});
+            if (texels.empty())
+                continue;
+            const std::size_t cell = std::size_t{v} * size[0] + u;
+            texture.mask[cell] = std::byte{1};
+            for (std::uint32_t t = 0; t < rows; ++t)
+                for (std::uint32_t s = 0; s < columns; ++s)
+                    arriving[(cell * rows + t) * columns + s] = glm::vec3(reflection_at(
+                        texels, places, tracer, options, (s + 0.5) / columns, (t + 0.5) / rows));
+        }
+    }));
+    store_light(texture, arriving, most_reflection);
+    return texture;
+}
+
+} // namespace tessera::corpus

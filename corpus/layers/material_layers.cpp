@@ -1,0 +1,101 @@
+#include "corpus/layers/material_layers.h"
+
+#include <array>
+#include <cmath>
+
+namespace tessera::corpus {
+namespace {
+
+// Places of a texel at which its material is read.
+constexpr std::array<glm::dvec2, 4> material_places{
+    {{-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
+// A display clips light above 1. Seen aslant, diffuse light is dimmer than its layer says.
+constexpr double most_diffuse = 1.4, most_emission = 1.0;
+
+struct Material {
+    glm::dvec3 diffuse{0.0}, emission{0.0}, specular{0.0};
+    double roughness = 0;
+    glm::dvec2 normal{0.0}; // in the frame of the mesh
+};
+
+// The mean over the texel; nothing if no light is known there.
+std::optional<Material> material_of(const ModelPlaces& fine, const PlaceLight& light,
+                                    std::uint32_t finer, std::uint32_t u, std::uint32_t v) {
+    Material sum;
+    double lit = 0;
+    constexpr double share = 1.0 / material_places.size();
+    for (const glm::dvec2& offset : material_places) {
+        const ModelSurfacePlace at = fine.place(u, v, offset);
+        const glm::dvec2 texel =
+            (glm::dvec2(u + 0.5, v + 0.5) + offset) / static_cast<double>(finer);
+        if (const auto arriving = light.diffuse(texel, at.point.normal)) {
+            sum.diffuse += at.point.lobes.diffuse * *arriving;
+            ++lit;
+        }
+        sum.emission += share * at.point.emission;
+        sum.specular += share * at.point.lobes.facing;
+        sum.roughness += share * std::sqrt(at.point.lobes.alpha);
+        sum.normal += share * glm::dvec2(glm::dot(at.point.normal, at.frame.ex),
+                                         glm::dot(at.point.normal, at.frame.ey));
+    }
+    if (lit == 0.0)
+        return std::nullopt;
+    sum.diffuse /= lit;
+    return sum;
+}
+
+bool emits(const Model& model) {
+    for (const ModelTriangle& t : model.triangles) {
+        const glm::dvec3& e = model.materials[t.material].emission;
+        if (std::max({e.x, e.y, e.z}) > 0.0)
+            return true;
+    }
+    return false;
+}
+
+} // namespace
+
+Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
+                                                       const PlaceLight& light, std::uint32_t finer,
+                                                       double exposure, const BakeRun& run) {
+    const Texels2 size = fine.texel_places().size();
+    const Extent4 whole{size[0], size[1], 1, 1};
+    LayerTexture diffuse = make_layer(LayerRole::diffuse, whole, 3),
+                 emission = make_layer(LayerRole::emission, whole, 3),
+                 specular = make_layer(LayerRole::specular, whole, 3),
+                 roughness = make_layer(LayerRole::roughness, whole, 1),
+                 normal = make_layer(LayerRole::normal, whole, 2);
+    specular.transfer = Transfer::srgb;
+    LightTexels leaving(fine.texels(), glm::vec3(0.0f)), emitted = leaving;
+    TESSERA_TRY(for_rows("baking materials", size[1], run, [&](std::uint32_t v) {
+        for (std::uint32_t u = 0; u < size[0]; ++u) {
+            if (!fine.texel_places().matters(u, v))
+                continue;
+            const auto m = material_of(fine, light, finer, u, v);
+            if (!m)
+                continue;
+            const std::size_t i = std::size_t{v} * size[0] + u;
+            leaving[i] = glm::vec3(m->diffuse * exposure);
+            emitted[i] = glm::vec3(m->emission * exposure);
+            diffuse.mask[i] = emission.mask[i] = std::byte{1};
+            store_values(specular, i,
+                         {linear_to_srgb(m->specular.x), linear_to_srgb(m->specular.y),
+                          linear_to_srgb(m->specular.z)});
+            store_values(roughness, i, {m->roughness});
+            store_values(
+                normal, i,
+                {(128.0 + 127.0 * m->normal.x) / 255.0, (128.0 + 127.0 * m->normal.y) / 255.0});
+        }
+    }));
+    store_light(diffuse, leaving, most_diffuse);
+    store_light(emission, emitted, most_emission);
+    std::vector<LayerTexture> layers;
+    layers.push_back(std::move(diffuse));
+    if (emits(fine.model()->model()))
+        layers.push_back(std::move(emission));
+    for (LayerTexture* layer : {&specular, &roughness, &normal})
+        layers.push_back(std::move(*layer));
+    return layers;
+}
+
+} // namespace tessera::corpus
