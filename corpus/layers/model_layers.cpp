@@ -4,7 +4,42 @@
 #include "corpus/layers/light_layers.h"
 #include "corpus/layers/material_layers.h"
 
+#include <glm/geometric.hpp>
+
 namespace tessera::corpus {
+namespace {
+
+// The mean cosine between the normals of the mesh and those of the model, at the corners of all
+// triangles.
+double normals_agree(const ModelAtlas& atlas) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < atlas.mesh.triangles.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const glm::dvec3 own(atlas.mesh.normals[atlas.mesh.triangles[i][k]]);
+            const glm::dvec3 of_model(
+                atlas.model.vertices[atlas.model.triangles[i].vertices[k]].normal);
+            if (const double length = glm::length(of_model); length > 0.0) {
+                sum += glm::dot(own, of_model) / length;
+                ++count;
+            }
+        }
+    return count > 0.0 ? sum / count : 1.0;
+}
+
+// The mesh has the model's normals where those that readers compute differ from them. Without them,
+// the layer of normals bends at every edge, which takes more bytes than the mesh saves.
+Result<ModelAtlas> make_layer_atlas(const Model& model, ModelAtlasOptions layout,
+                                    unsigned normal_bits) {
+    constexpr double least_agreement = 0.9994; // 2 degrees
+    layout.normal_bits = 0;
+    TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_model_atlas(model, layout));
+    if (normals_agree(atlas) >= least_agreement)
+        return atlas;
+    layout.normal_bits = normal_bits;
+    return make_model_atlas(model, layout);
+}
+
+} // namespace
 
 Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& light,
                                       const ModelLayersOptions& options) {
@@ -15,8 +50,7 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     layout.tile = {16, 16};
     layout.position_bits = options.position_bits;
     layout.uv_bits = options.uv_bits;
-    layout.normal_bits = options.normal_bits;
-    TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_model_atlas(model, layout));
+    TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_layer_atlas(model, layout, options.normal_bits));
     ModelLayers out;
     out.mesh = atlas.stream;
     out.decoded_mesh = atlas.mesh;

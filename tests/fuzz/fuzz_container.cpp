@@ -30,17 +30,18 @@ void read_box(const Decoder& decoder, const Box4& box) {
         check_places(decoder, box, texels);
 }
 
-void read_everything(const Bytes& file) {
-    const auto source = wrap_memory(file);
-    const std::vector<Finding> findings = validate_container(*source);
-    const Result<ContainerReader> container = ContainerReader::open(*source);
+void read_everything(ByteSource& source) {
+    const std::vector<Finding> findings = validate_container(source);
+    const Result<ContainerReader> container = ContainerReader::open(source);
     if (!container) {
         require(!findings.empty(), "a file that cannot be opened has no findings");
         return;
     }
     for (std::uint32_t group = 0; group < std::min(container->group_count(), 8u); ++group)
         (void)container->group(group);
-    const Result<Decoder> decoder = Decoder::open(*source);
+    for (const LayerInfo& layer : container->layers().further)
+        read_everything(*layer_bytes(source, layer));
+    const Result<Decoder> decoder = Decoder::open(source);
     if (!decoder)
         return;
     Box4 box = Box4::whole(decoder->desc().size);
@@ -66,6 +67,30 @@ Bytes far_aligned_seed() {
     Bytes file;
     require(encode_memory(texture, file, options).ok(), "a seed does not encode");
     return test::with_alignment(file, {-9, 13});
+}
+
+// A file with a layer of specular colour, one of reflections, and a light.
+Bytes layered_seed() {
+    const auto encoded = [](const Extent4& size, AngularMap map) {
+        test::MemoryTexture texture = test::named_texture({size, SampleType::unorm8, 3}, "smooth");
+        EncodeOptions options;
+        options.tile_extent = {8, 8, 2, 2};
+        options.threads = 1;
+        options.effort = 0;
+        options.description.angular_map = map;
+        Bytes file;
+        require(encode_memory(texture, file, options).ok(), "a seed does not encode");
+        return file;
+    };
+    const Bytes first = encoded({9, 8, 1, 1}, AngularMap::none),
+                second = encoded({5, 4, 1, 1}, AngularMap::none),
+                third = encoded({3, 2, 2, 2}, AngularMap::octahedral_mirrored);
+    const std::vector<LayerFile> further{{LayerRole::specular, 1.0f, second},
+                                         {LayerRole::reflection, 2.0f, third}};
+    const std::vector<DistantLight> lights(1);
+    const auto file = join_layers(first, 1.0f, further, lights);
+    require(file.ok(), "the layers of a seed do not fit");
+    return *file;
 }
 
 } // namespace
@@ -98,12 +123,13 @@ std::vector<Bytes> seeds() {
             all.push_back(test::with_alignment(file, {-2, 1}));
     }
     all.push_back(far_aligned_seed());
+    all.push_back(layered_seed());
     return all;
 }
 
 void run(const std::uint8_t* data, std::size_t size) {
     const auto* bytes = reinterpret_cast<const std::byte*>(data);
-    read_everything(Bytes(bytes, bytes + size));
+    read_everything(*wrap_memory({bytes, size}));
 }
 
 const Registered registered(

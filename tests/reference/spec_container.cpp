@@ -1,6 +1,7 @@
 #include "tests/reference/spec_container.h"
 
 #include "tests/reference/spec_decoder.h"
+#include "tests/reference/spec_layers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +21,7 @@ Header read_header(Bytes file) {
     require(file.size() >= header_bytes, "header: cut short");
     const uint8_t identifier[12] = {0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', 13, 10, 0x1A, 10};
     require(std::memcmp(file.data(), identifier, 12) == 0, "header: identifier");
-    require(u16(file, 12) == 0 && u16(file, 14) == 5, "header: version");
+    require(u16(file, 12) == 0 && (u16(file, 14) == 5 || u16(file, 14) == 6), "header: version");
 
     Header h;
     h.section_count = static_cast<uint32_t>(u8(file, 36));
@@ -34,9 +35,10 @@ Header read_header(Bytes file) {
     h.required_features = u32(file, 16);
     for (int bit = 0; bit < 32; ++bit)
         if (h.required_features >> bit & 1 && bit != 0 && bit != 1 && bit != 4 && bit != 5 &&
-            bit != 6) // 1.6
+            bit != 6 && bit != 7) // 1.6
             throw Refusal{"unknown required feature " + std::to_string(bit)};
     require(!(h.has_corrections() && h.has_predictions()), "header: bits 1 and 4 together");
+    require(h.has_layers() == (u16(file, 14) == 6), "header: version and feature 7");
     require(h.section_count >= 1, "header: section_count");
     h.file_size = u64(file, 24);
     require(h.file_size == file.size(), "header: file_size");
@@ -116,7 +118,7 @@ std::map<std::string, Section> read_sections(Bytes file, const Header& header) {
             require((c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'), "section table: type");
             type += c;
         }
-        const bool known = type == "CODE" || type == "LEVL" || type == "ROOT";
+        const bool known = type == "CODE" || type == "LEVL" || type == "ROOT" || type == "LAYR";
         if (type[0] <= 'Z' && !known)
             throw Refusal{"unknown required section " + type};
         end = add(type, end, u32(entry, 8));
@@ -124,7 +126,13 @@ std::map<std::string, Section> read_sections(Bytes file, const Header& header) {
     }
     require(end <= 1u << 28, "section table: the head is too long");
     end = add("INDX", end, header.index_size);
-    add("DATA", end, file.size() - end);
+    require(sections.contains("LAYR") == header.has_layers(), "section table: LAYR");
+    if (header.has_layers()) {
+        const LayerTable layers = read_layers(sections.at("LAYR").bytes, end, file.size());
+        add("DATA", layers.data_offset, layers.data_bytes);
+    } else {
+        add("DATA", end, file.size() - end);
+    }
     require(sections.contains("CODE"), "section table: CODE is missing");
     require(sections.contains("LEVL") == (header.level_count > 1), "section table: LEVL");
     return sections;

@@ -12,7 +12,7 @@ class LayeredModels : public CliFixture {};
 
 // A glossy roof over a floor, which throws a shadow.
 const std::string glossy_roof = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 1 0\nv 1 1 0\n"
-                         "f 1 2 3 4\nf 4 3 6 5\nf 2 1 5 6\n";
+                                "f 1 2 3 4\nf 4 3 6 5\nf 2 1 5 6\n";
 
 TEST_F(LayeredModels, LookLikeTheirTruth) {
     spit(at("roof.obj"), glossy_roof);
@@ -62,6 +62,8 @@ TEST_F(LayeredModels, DamageIsFoundInEveryLayer) {
 TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
     spit(at("roof.obj"), glossy_roof);
     fail(1, "bake roof.obj --layered --target-psnr 40 -o a.tess", {"--target-psnr", "--quality"});
+    fail(1, "bake roof.obj --layered --texels 2000 --spp 1 --target-bytes 300 -o a.tess",
+         {"--target-bytes", "mesh"});
     fail(1, "bake roof.obj --layered --size 8x8x8x8 -o a.tess", {"--size"});
     fail(1, "bake roof.obj --layered -o a.exr", {".tess"});
     fail(1, "bake composed --layered -o a.tess", {"--layered", "model"});

@@ -1,11 +1,12 @@
 #include "tools/verbs/bake_layers.h"
 
-#include "corpus/layers/model_layers.h"
 #include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/output_folders.h"
+#include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/standard_streams.h"
+#include "tools/verbs/encode_layers.h"
 
 #include <chrono>
 #include <cstdio>
@@ -13,7 +14,6 @@
 namespace tessera {
 namespace {
 
-constexpr double usual_layer_quality = 50;
 // Paths for each of --spp.
 constexpr unsigned paths_per_place = 8, paths_per_reflection = 4;
 
@@ -22,63 +22,14 @@ Status check_layered(const BakeCommand& a) {
     for (const auto& [option, given] :
          {std::pair("--target-psnr", e.target_psnr.has_value()),
           std::pair("--target-bpt", e.target_bpt.has_value()),
-          std::pair("--target-bytes", e.target_bytes.has_value()),
           std::pair("--max-error", e.max_error.has_value()), std::pair("--lossless", e.lossless),
           std::pair("--layers", e.layers), std::pair("--resume", e.resume),
           std::pair("--tile", !e.tile.empty())})
         if (given)
             return {ErrorCode::bad_argument,
-                    std::string(option) + ": does not apply to --layered; --quality does"};
+                    std::string(option) +
+                        ": does not apply to --layered; use --quality or --target-bytes"};
     return {};
-}
-
-// How much finer or coarser than the whole a layer is quantised. Errors of normals bend
-// reflections, and those of visibility are multiplied by bright lights.
-double quality_of(LayerRole role, double quality) {
-    const double change = role == LayerRole::normal       ? 6
-                          : role == LayerRole::visibility ? -14
-                          : role == LayerRole::roughness  ? -4
-                                                          : 0;
-    return std::clamp(quality + change, 1.0, 100.0);
-}
-
-struct CodedLayer {
-    const corpus::LayerTexture* texture = nullptr;
-    std::vector<std::byte> bytes;
-    double psnr = 0;
-};
-
-Result<CodedLayer> encode_layer(const BakeCommand& a, const corpus::LayerTexture& texture,
-                                EncodeOptions options) {
-    options.rate = {RateTarget::Kind::quality,
-                    quality_of(texture.role, a.encode.quality.value_or(usual_layer_quality))};
-    MemorySource source(texture.desc, texture.texels), mask(texture.mask_desc, texture.mask);
-    options.mask = &mask;
-    options.tile_extent = texture.tile;
-    options.description.transfer = texture.transfer;
-    options.description.surface_map = SurfaceMap::mesh_uv;
-    options.description.angular_map =
-        texture.role == LayerRole::visibility ? AngularMap::none : AngularMap::octahedral_mirrored;
-    if (texture.role == LayerRole::diffuse)
-        options.description.proxy = Proxy::mesh;
-    else {
-        options.mesh.clear();
-        options.metadata.clear();
-    }
-    CodedLayer coded{&texture, {}, 0};
-    TESSERA_TRY_ASSIGN(const EncodeReport report, encode_memory(source, coded.bytes, options));
-    coded.psnr = report.psnr;
-    return coded;
-}
-
-Result<std::vector<std::byte>> join(const corpus::ModelLayers& baked,
-                                    const std::vector<CodedLayer>& coded) {
-    std::vector<LayerFile> further;
-    for (std::size_t i = 1; i < coded.size(); ++i)
-        further.push_back(
-            {coded[i].texture->role, static_cast<float>(coded[i].texture->scale), coded[i].bytes});
-    return join_layers(coded[0].bytes, static_cast<float>(coded[0].texture->scale), further,
-                       baked.lights);
 }
 
 corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::SurfaceWish& wish,
@@ -97,11 +48,12 @@ corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::Sur
     return options;
 }
 
-void report(const BakeCommand& a, const corpus::ModelLayers& baked,
-            const std::vector<CodedLayer>& coded, std::size_t bytes, double seconds) {
+void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedLayers& coded,
+            double seconds) {
     if (a.encode.json) {
         Json json = {{"output", a.output},
-                     {"bytes", bytes},
+                     {"bytes", coded.file.size()},
+                     {"quality", coded.quality},
                      {"seconds", seconds},
                      {"triangles", baked.decoded_mesh.triangles.size()},
                      {"charts", baked.charts},
@@ -109,7 +61,7 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked,
                      {"texels_per_unit", baked.density},
                      {"lights", baked.lights.size()},
                      {"layers", Json::array()}};
-        for (const CodedLayer& layer : coded)
+        for (const CodedLayer& layer : coded.layers)
             json["layers"].push_back({{"role", name_of(layer.texture->role)},
                                       {"size", to_string(layer.texture->desc.size)},
                                       {"bytes", layer.bytes.size()},
@@ -120,16 +72,20 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked,
     if (a.texture.quiet)
         return;
     std::FILE* const to = summary_stream(a.output);
-    std::fprintf(to, "%s: %zu bytes in %.1f s\n", a.output.c_str(), bytes, seconds);
-    std::fprintf(to, "  mesh        %zu triangles, %zu charts: %zu bytes\n",
-                 baked.decoded_mesh.triangles.size(), baked.charts, baked.mesh.size());
-    std::fprintf(to, "  lights      %zu\n", baked.lights.size());
-    for (std::size_t i = 0; i < coded.size(); ++i) {
-        const CodedLayer& layer = coded[i];
-        const std::size_t own = layer.bytes.size() - (i == 0 ? baked.mesh.size() : 0);
-        std::fprintf(to, "  %-11s %s: %zu bytes, %.1f dB\n", name_of(layer.texture->role),
-                     to_string(layer.texture->desc.size).c_str(), own, layer.psnr);
+    std::fprintf(to, "%s: %s in %.1f s, quality %s\n", a.output.c_str(),
+                 human_bytes(coded.file.size()).c_str(), seconds,
+                 format_number(coded.quality, 1).c_str());
+    std::fprintf(to, "  %-11s %s: %zu triangles, %zu charts\n", "mesh",
+                 human_bytes(baked.mesh.size()).c_str(), baked.decoded_mesh.triangles.size(),
+                 baked.charts);
+    for (const CodedLayer& layer : coded.layers) {
+        const bool first = layer.texture->role == LayerRole::diffuse;
+        const std::size_t own = layer.bytes.size() - (first ? baked.mesh.size() : 0);
+        std::fprintf(to, "  %-11s %s: %s\n", name_of(layer.texture->role), human_bytes(own).c_str(),
+                     to_string(layer.texture->desc.size).c_str());
     }
+    std::fprintf(to, "  %zu lights, %s texels per unit\n", baked.lights.size(),
+                 format_number(baked.density, 3).c_str());
 }
 
 } // namespace
@@ -149,7 +105,7 @@ Status bake_layered(const BakeCommand& a) {
                        corpus::with_both_sides(std::move(file.model)).with_context(a.scene));
     corpus::ModelLayersOptions options = layer_options(a, wish, file.display.exposure);
     corpus::ModelLayers baked;
-    std::vector<CodedLayer> coded;
+    CodedLayers coded;
     {
         Progress progress("tessera bake", a.texture.quiet || a.encode.json);
         options.run.progress = progress.function();
@@ -162,15 +118,13 @@ Status bake_layered(const BakeCommand& a) {
         encode.mesh = baked.mesh;
         encode.progress = options.run.progress;
         encode.cancelled = options.run.cancelled;
-        for (const corpus::LayerTexture& texture : baked.layers) {
-            TESSERA_TRY_ASSIGN(CodedLayer layer, encode_layer(a, texture, encode));
-            coded.push_back(std::move(layer));
-        }
+        TESSERA_TRY_ASSIGN(coded,
+                           encode_layers(baked, encode, a.encode.quality, a.encode.target_bytes)
+                               .with_context(a.output));
     }
-    TESSERA_TRY_ASSIGN(const std::vector<std::byte> bytes, join(baked, coded));
-    TESSERA_TRY(write_bytes(a.output, bytes));
+    TESSERA_TRY(write_bytes(a.output, coded.file));
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    report(a, baked, coded, bytes.size(), seconds.count());
+    report(a, baked, coded, seconds.count());
     return {};
 }
 

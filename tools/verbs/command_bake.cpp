@@ -183,8 +183,7 @@ void declare(CLI::App& c, BakeCommand& a) {
     layers.flag("--layered", a.layered,
                 "Bake colours, gloss, bumps, shadows and reflections into layers of their own: "
                 "much sharper close by, in fewer bytes");
-    layers.option("--texels", "N", a.texels,
-                  "Texels of a layer of colours. Default: 1000000",
+    layers.option("--texels", "N", a.texels, "Texels of a layer of colours. Default: 1000000",
                   number_between(1024, 67108864));
     layers.option("--lights", "N", a.lights,
                   "Lights that stand for the environment; 0: none, reflections hold all light. "

@@ -1,0 +1,90 @@
+#include "tools/verbs/encode_layers.h"
+
+#include <algorithm>
+#include <array>
+
+namespace tessera {
+namespace {
+
+constexpr double usual_layer_quality = 58;
+constexpr double least_quality = 1, most_quality = 100;
+constexpr int quality_steps = 6; // of the search, each halves the range
+
+// The quality of a layer, so that all layers save about the same error per byte (FlightHelmet).
+double quality_of(LayerRole role, double quality) {
+    constexpr std::array<double, value_names<LayerRole>.size()> changes{4, 4, 0, -8, 3, -3, 0};
+    return std::clamp(quality + changes[static_cast<std::size_t>(role)], least_quality,
+                      most_quality);
+}
+
+Result<CodedLayer> encode_layer(const corpus::LayerTexture& texture, EncodeOptions options,
+                                double quality) {
+    options.rate = {RateTarget::Kind::quality, quality_of(texture.role, quality)};
+    MemorySource source(texture.desc, texture.texels), mask(texture.mask_desc, texture.mask);
+    options.mask = &mask;
+    options.tile_extent = texture.tile;
+    options.description.transfer = texture.transfer;
+    options.description.surface_map = SurfaceMap::mesh_uv;
+    options.description.angular_map =
+        texture.role == LayerRole::visibility ? AngularMap::none : AngularMap::octahedral_mirrored;
+    if (texture.role == LayerRole::diffuse) {
+        options.description.proxy = Proxy::mesh;
+        options.description.primaries = Primaries::bt709;
+    } else {
+        options.mesh.clear();
+        options.metadata.clear();
+    }
+    CodedLayer coded{&texture, {}, 0};
+    TESSERA_TRY_ASSIGN(const EncodeReport report, encode_memory(source, coded.bytes, options));
+    coded.psnr = report.psnr;
+    return coded;
+}
+
+Result<CodedLayers> encode_at(const corpus::ModelLayers& baked, const EncodeOptions& options,
+                              double quality) {
+    CodedLayers coded;
+    coded.quality = quality;
+    for (const corpus::LayerTexture& texture : baked.layers) {
+        TESSERA_TRY_ASSIGN(CodedLayer layer, encode_layer(texture, options, quality));
+        coded.layers.push_back(std::move(layer));
+    }
+    const auto scale = [](const CodedLayer& layer) {
+        return static_cast<float>(layer.texture->scale);
+    };
+    std::vector<LayerFile> further;
+    for (std::size_t i = 1; i < coded.layers.size(); ++i)
+        further.push_back(
+            {coded.layers[i].texture->role, scale(coded.layers[i]), coded.layers[i].bytes});
+    TESSERA_TRY_ASSIGN(coded.file, join_layers(coded.layers[0].bytes, scale(coded.layers[0]),
+                                               further, baked.lights));
+    return coded;
+}
+
+} // namespace
+
+Result<CodedLayers> encode_layers(const corpus::ModelLayers& baked, const EncodeOptions& options,
+                                  std::optional<double> quality,
+                                  std::optional<std::uint64_t> most_bytes) {
+    if (!most_bytes)
+        return encode_at(baked, options, quality.value_or(usual_layer_quality));
+    double low = least_quality, high = most_quality;
+    TESSERA_TRY_ASSIGN(CodedLayers best, encode_at(baked, options, low));
+    if (best.file.size() > *most_bytes)
+        return Status(ErrorCode::bad_argument, "--target-bytes " + std::to_string(*most_bytes) +
+                                                   ": even at the lowest quality the layers take " +
+                                                   std::to_string(best.file.size()) +
+                                                   " bytes, of which " +
+                                                   std::to_string(baked.mesh.size()) +
+                                                   " are the mesh; --texels makes fewer texels");
+    for (int i = 0; i < quality_steps; ++i) {
+        const double middle = (low + high) / 2;
+        TESSERA_TRY_ASSIGN(CodedLayers tried, encode_at(baked, options, middle));
+        const bool fits = tried.file.size() <= *most_bytes;
+        (fits ? low : high) = middle;
+        if (fits)
+            best = std::move(tried);
+    }
+    return best;
+}
+
+} // namespace tessera
