@@ -100,19 +100,25 @@ inline void column_vector(const float* in, int stride, int nu, float* tmp) {
         even[v] = head + tail;
         odd[v] = head - tail;
     }
-    // Computing two frequencies of each kind at a time shares the loads.
-    for (int k = 0; k < Basis::kept; k += 2) {
-        Vector e0{}, e1{}, o0{}, o1{};
+    // Computing several frequencies of each kind at a time shares the loads, and their sums do not
+    // wait for each other.
+    constexpr int at_once = Basis::kept < 4 ? Basis::kept : 4;
+    for (int k = 0; k < Basis::kept; k += at_once) {
+        Vector e[at_once] = {}, o[at_once] = {};
+        const float *even_basis = b.even_t[0] + k, *odd_basis = b.odd_t[0] + k;
+#pragma GCC unroll 2
         for (int v = 0; v < Basis::half; ++v) {
-            e0 += even[v] * b.even[k][v];
-            e1 += even[v] * b.even[k + 1][v];
-            o0 += odd[v] * b.odd[k][v];
-            o1 += odd[v] * b.odd[k + 1][v];
+            for (int i = 0; i < at_once; ++i) {
+                e[i] += even[v] * even_basis[i];
+                o[i] += odd[v] * odd_basis[i];
+            }
+            even_basis += Basis::kept;
+            odd_basis += Basis::kept;
         }
-        store(tmp + 2 * k * nu, e0);
-        store(tmp + (2 * k + 1) * nu, o0);
-        store(tmp + (2 * k + 2) * nu, e1);
-        store(tmp + (2 * k + 3) * nu, o1);
+        for (int i = 0; i < at_once; ++i) {
+            store(tmp + 2 * (k + i) * nu, e[i]);
+            store(tmp + (2 * (k + i) + 1) * nu, o[i]);
+        }
     }
 }
 
@@ -256,18 +262,56 @@ void forward_rows_split(const float* in, float* out, int rows, int stride) {
         }
 }
 
+// to[j * to_stride + i] = from[i * stride + j] for i, j < 4.
+inline void transpose_four(const float* from, int stride, float* to, int to_stride) {
+    const auto a = load<Float4>(from), b = load<Float4>(from + stride),
+               c = load<Float4>(from + 2 * stride), d = load<Float4>(from + 3 * stride);
+    const Float4 ac = __builtin_shufflevector(a, c, 0, 4, 1, 5),
+                 ac_end = __builtin_shufflevector(a, c, 2, 6, 3, 7),
+                 bd = __builtin_shufflevector(b, d, 0, 4, 1, 5),
+                 bd_end = __builtin_shufflevector(b, d, 2, 6, 3, 7);
+    store(to, __builtin_shufflevector(ac, bd, 0, 4, 1, 5));
+    store(to + to_stride, __builtin_shufflevector(ac, bd, 2, 6, 3, 7));
+    store(to + 2 * to_stride, __builtin_shufflevector(ac_end, bd_end, 0, 4, 1, 5));
+    store(to + 3 * to_stride, __builtin_shufflevector(ac_end, bd_end, 2, 6, 3, 7));
+}
+
+// Transforms a vector of rows as columns: their sums do not wait for each other.
+template <int n, class Vector>
+inline void row_vector(const float* in, float* out, int stride) {
+    constexpr int width = sizeof(Vector) / sizeof(float);
+    float values[n * width], frequencies[n * width];
+    for (int r = 0; r < width; r += 4)
+        for (int x = 0; x < n; x += 4)
+            transpose_four(in + r * stride + x, stride, values + x * width + r, width);
+    column_vector<n, n, Vector>(values, width, width, frequencies);
+    for (int r = 0; r < width; r += 4)
+        for (int k = 0; k < n; k += 4)
+            transpose_four(frequencies + k * width + r, width, out + r * stride + k, stride);
+}
+
+template <int n, class Single>
+void forward_rows_of(const float* in, float* out, int rows, int stride) {
+    int r = 0;
+    for (; r + 8 <= rows; r += 8)
+        row_vector<n, Float8>(in + r * stride, out + r * stride, stride);
+    for (; r + 4 <= rows; r += 4)
+        row_vector<n, Float4>(in + r * stride, out + r * stride, stride);
+    forward_rows_split<n, Single>(in + r * stride, out + r * stride, rows - r, stride);
+}
+
 void forward_rows(const float* in, float* out, int rows, int n, int stride, const float* basis_t) {
     switch (n) {
     case 4:
-        return forward_rows_split<4, Float2>(in, out, rows, stride);
+        return forward_rows_of<4, Float2>(in, out, rows, stride);
     case 8:
-        return forward_rows_split<8, Float4>(in, out, rows, stride);
+        return forward_rows_of<8, Float4>(in, out, rows, stride);
     case 16:
-        return forward_rows_split<16, Float8>(in, out, rows, stride);
+        return forward_rows_of<16, Float8>(in, out, rows, stride);
     case 32:
-        return forward_rows_split<32, Float8>(in, out, rows, stride);
+        return forward_rows_of<32, Float8>(in, out, rows, stride);
     case 64:
-        return forward_rows_split<64, Float8>(in, out, rows, stride);
+        return forward_rows_of<64, Float8>(in, out, rows, stride);
     default:
         plain_rows(in, 1, stride, rows, n, n, basis_t, out, 1, stride);
     }
