@@ -277,8 +277,7 @@ inline void transpose_four(const float* from, int stride, float* to, int to_stri
 }
 
 // Transforms a vector of rows as columns: their sums do not wait for each other.
-template <int n, class Vector>
-inline void row_vector(const float* in, float* out, int stride) {
+template <int n, class Vector> inline void row_vector(const float* in, float* out, int stride) {
     constexpr int width = sizeof(Vector) / sizeof(float);
     float values[n * width], frequencies[n * width];
     for (int r = 0; r < width; r += 4)

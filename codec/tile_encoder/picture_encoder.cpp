@@ -86,17 +86,21 @@ PictureEncoder::Node PictureEncoder::encode_whole(const Block& block) {
     Node best;
     best.cost = unreachable_cost;
     const ColourMemory colours = blocks_.memory;
-    const std::size_t tries =
-        std::min(candidates_.size(), static_cast<std::size_t>(settings_.pictures.coded_modes));
-    for (std::size_t i = 0; i < tries; ++i) {
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
         BlockPrediction prediction = from_border(candidates_[i].mode);
         const bool tries_sines = static_cast<int>(i) < settings_.pictures.transform_modes &&
                                  transform_context(prediction.mode, block.shape) >= 0;
-        for (int kind = 0; kind < (tries_sines ? transform_kinds : 1); ++kind) {
+        offer(block, prediction, {&slots_[candidates_[i].slot], candidates_[i].estimate}, best);
+        for (int plane = 0; tries_sines && plane < coding_.planes; ++plane)
+            find_difference(block, prediction.mode, plane);
+        for (int kind = 1; tries_sines && kind < transform_kinds; ++kind) {
             prediction.transform = static_cast<BlockTransform>(kind);
+            for (int plane = 0; plane < coding_.planes; ++plane)
+                transform(block, prediction, plane, coefficients_);
             blocks_.memory = colours;
-            offer(block, prediction, best);
+            offer(block, prediction, {&coefficients_, {}}, best);
         }
+        blocks_.memory = colours;
     }
     best.cost += split_cost(block, Split::none);
     best.levels.shape = decoded_.shape;
@@ -108,9 +112,10 @@ PictureEncoder::Node PictureEncoder::encode_whole(const Block& block) {
 }
 
 // Codes the block with this prediction, and keeps that if it costs less than `best`.
-void PictureEncoder::offer(const Block& block, const BlockPrediction& prediction, Node& best) {
+void PictureEncoder::offer(const Block& block, const BlockPrediction& prediction,
+                           const BlockEncoder::KnownBlock& known, Node& best) {
     trial_.clear();
-    float cost = blocks_.encode(search_, block, prediction, decoded_, trial_, best.cost) +
+    float cost = blocks_.encode(search_, block, prediction, known, trial_, best.cost) +
                  mode_cost(block, prediction.mode);
     if (cost >= best.cost)
         return;
@@ -147,25 +152,82 @@ PictureEncoder::Node PictureEncoder::encode_parts(const Block& block, Split spli
     return node;
 }
 
-// Estimates what the block costs in each mode.
+// Writes one plane of the block, less its prediction, to difference_.
+void PictureEncoder::find_difference(const Block& block, BorderMode mode, int plane) {
+    const auto texels = static_cast<std::size_t>(block.shape.texels());
+    std::vector<float>& difference = difference_[static_cast<std::size_t>(plane)];
+    difference.resize(std::max(difference.size(), texels));
+    predicted_.resize(std::max(predicted_.size(), texels));
+    if (mode != mode_none)
+        borders_[static_cast<std::size_t>(plane)].predict(mode, predicted_.data());
+    search_.source().subtract(block, plane, mode != mode_none ? predicted_.data() : nullptr,
+                              difference.data());
+}
+
+// Transforms one plane of difference_.
+void PictureEncoder::transform(const Block& block, const BlockPrediction& prediction, int plane,
+                               BlockCoefficients& out) {
+    const auto p = static_cast<std::size_t>(plane);
+    out.shape = block.shape;
+    out.copies = false;
+    out.is_predicted = prediction.is_predicted();
+    out.fineness = search_.fineness();
+    out.is_blank[p] =
+        search_.source().transform_plane(block.shape, sine_axes(prediction.transform, block.shape),
+                                         difference_[p].data(), out.plane[p]);
+}
+
+// Finds the modes that cost least in luma.
+void PictureEncoder::compare_luma(const Block& block) {
+    slots_.resize(kept_of_luma + 1);
+    of_luma_.clear();
+    std::size_t free_slot = 0;
+    for (int mode = 0; mode < (borders_.empty() ? 1 : border_mode_count); ++mode) {
+        Candidate candidate;
+        candidate.mode = static_cast<BorderMode>(mode);
+        candidate.slot = free_slot;
+        BlockCoefficients& coefficients = slots_[free_slot];
+        find_difference(block, candidate.mode, 0);
+        transform(block, from_border(candidate.mode), 0, coefficients);
+        candidate.luma = search_.estimate(coefficients, 0, 1, 0);
+        candidate.cost = candidate.luma + mode_cost(block, candidate.mode);
+        // Ties go to the first mode, the same on every platform.
+        of_luma_.insert(std::ranges::upper_bound(of_luma_, candidate.cost, {}, &Candidate::cost),
+                        candidate);
+        free_slot = of_luma_.size();
+        if (of_luma_.size() > kept_of_luma) {
+            free_slot = of_luma_.back().slot;
+            of_luma_.pop_back();
+        }
+    }
+}
+
+// Finds the modes in which the block is coded, by estimates.
 void PictureEncoder::find_candidates(const Block& block) {
-    const auto estimate = [&](BorderMode mode, int planes) {
-        search_.transform_block(block, from_border(mode), decoded_, coefficients_, planes);
-        return Candidate{search_.estimate(coefficients_, planes) + mode_cost(block, mode), mode};
-    };
-    const auto sort = [this] {
-        std::ranges::stable_sort(candidates_, {}, &Candidate::cost); // the same on every platform
-    };
+    borders_.clear();
+    if (settings_.pictures.borders && (block.origin[0] > 0 || block.origin[1] > 0))
+        for (int plane = 0; plane < coding_.planes; ++plane)
+            borders_.emplace_back(block, decoded_.shape,
+                                  decoded_.plane[static_cast<std::size_t>(plane)], decoded_.done);
+    compare_luma(block);
     candidates_.clear();
-    const bool has_border =
-        settings_.pictures.borders && (block.origin[0] > 0 || block.origin[1] > 0);
-    for (int mode = 0; mode < (has_border ? border_mode_count : 1); ++mode)
-        candidates_.push_back(estimate(static_cast<BorderMode>(mode), 1));
-    sort();
-    candidates_.resize(std::min(candidates_.size(), kept_of_luma));
-    for (Candidate& candidate : candidates_)
-        candidate = estimate(candidate.mode, coding_.planes);
-    sort();
+    const auto wanted = static_cast<std::size_t>(settings_.pictures.coded_modes);
+    for (Candidate candidate : of_luma_) {
+        // Other planes cost at least 0, and later candidates cost more in luma.
+        if (candidates_.size() == wanted && candidate.cost >= candidates_.back().cost)
+            break;
+        BlockCoefficients& coefficients = slots_[candidate.slot];
+        for (int plane = 1; plane < coding_.planes; ++plane) {
+            find_difference(block, candidate.mode, plane);
+            transform(block, from_border(candidate.mode), plane, coefficients);
+        }
+        candidate.estimate = search_.estimate(coefficients, 1, coding_.planes, candidate.luma);
+        candidate.cost = candidate.estimate + mode_cost(block, candidate.mode);
+        candidates_.insert(
+            std::ranges::upper_bound(candidates_, candidate.cost, {}, &Candidate::cost), candidate);
+        if (candidates_.size() > wanted)
+            candidates_.pop_back();
+    }
 }
 
 // Goes to where the block is the next one to be decoded, with this memory.
