@@ -4,6 +4,7 @@
 #include "codec/entropy/tile_entropy.h"
 #include "codec/entropy/tile_syntax.h"
 #include "codec/search_kernels/search_kernels.h"
+#include "codec/tile_encoder/plane_sums.h"
 
 #include <algorithm>
 #include <cmath>
@@ -139,29 +140,11 @@ void BlockQuantizer::predict_chroma(const BlockCoefficients& block, const BlockC
 }
 
 float BlockQuantizer::energy(const BlockCoefficients& block) const {
-    // The sums of the first three planes do not wait for each other.
-    constexpr int at_once = 3;
-    std::array<float, max_planes> sum{};
-    const int texels = block.shape.texels();
-    const auto is_blank = std::span(block.is_blank).first(at_once);
-    int plane = 0;
-    if (coding_.planes >= at_once && std::ranges::find(is_blank, true) == is_blank.end()) {
-        const float *a = block.plane[0].data(), *b = block.plane[1].data(),
-                    *c = block.plane[2].data();
-        for (int i = 0; i < texels; ++i) {
-            sum[0] += a[i] * a[i];
-            sum[1] += b[i] * b[i];
-            sum[2] += c[i] * c[i];
-        }
-        plane = at_once;
-    }
-    for (; plane < coding_.planes; ++plane)
-        if (!block.is_blank[plane])
-            for (const float x : std::span(block.plane[plane]).first(texels))
-                sum[plane] += x * x;
+    const auto squares = sums_of_squares(block.plane, block.is_blank, coding_.planes,
+                                         static_cast<std::size_t>(block.shape.texels()));
     float total = 0;
-    for (plane = 0; plane < coding_.planes; ++plane)
-        total += sum[plane] * inverse_step(block, plane) * inverse_step(block, plane);
+    for (int plane = 0; plane < coding_.planes; ++plane)
+        total += squares[plane] * inverse_step(block, plane) * inverse_step(block, plane);
     return total;
 }
 
