@@ -9,6 +9,7 @@ namespace {
 constexpr int smallest_side = 4; // of blocks; sides of 2 save 0.3 %, and up to 2 % in dense detail
 // Modes that are compared in luma only, before the best of them are compared in all planes.
 constexpr std::size_t kept_of_luma = 8;
+constexpr float rounding = 1e-5f; // a sum of costs is off by less than this share
 
 // Appends the levels of one node to those of another.
 void append(const TileLevels& from, TileLevels& to) {
@@ -39,7 +40,7 @@ float PictureEncoder::encode(const Block& root, TileLevels& out) {
     decoded_.resize(root.shape, coding_.planes);
     blocks_.memory = {};
     modes_ = {};
-    Node node = encode_node(root, Freedom::all);
+    Node node = encode_node(root, Freedom::all, unreachable_cost);
     out = std::move(node.levels);
     out.order.resize(out.blocks.size());
     for (std::size_t i = 0; i < out.order.size(); ++i)
@@ -49,18 +50,20 @@ float PictureEncoder::encode(const Block& root, TileLevels& out) {
     return node.cost;
 }
 
-// Leaves the node in decoded_ and what it leads to in blocks_.memory and modes_.
-PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom freedom) {
+// Leaves the node in decoded_ and what it leads to in blocks_.memory and modes_. A node that costs
+// `limit` or more is of no use: it is not the best one then, and nothing is left of it.
+PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom freedom, float limit) {
     if (is_too_large(block.shape))
-        return encode_parts(block, Split::spatial, freedom, unreachable_cost);
+        return encode_parts(block, Split::spatial, freedom, limit);
     const Memory before = memory();
     decoded_.done.forget(block);
     Node best = encode_whole(block);
     const auto& n = block.shape.n;
     const auto attempt = [&](Split split, Freedom of_parts) {
         go_back(block, before);
-        Node node = encode_parts(block, split, of_parts, best.cost);
-        if (node.cost < best.cost)
+        const float most = std::min(best.cost, limit);
+        Node node = encode_parts(block, split, of_parts, most);
+        if (node.cost < most)
             best = std::move(node);
     };
     const PictureSearch& options = settings_.pictures;
@@ -75,6 +78,8 @@ PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom fre
         if (options.halves && can_halve_v)
             attempt(Split::v, of_halves);
     }
+    if (best.cost >= limit)
+        return best;
     go_back(block, best.after);
     for (std::size_t i = 0; i < best.levels.blocks.size(); ++i)
         reconstruct_block(best.levels, i, coding_, scratch_, decoded_, search_.fineness());
@@ -144,7 +149,8 @@ PictureEncoder::Node PictureEncoder::encode_parts(const Block& block, Split spli
         node.cost = split_cost(block, split);
     const Children children = children_of(block, split);
     for (int i = 0; i < children.count && node.cost < limit; ++i) {
-        const Node part = encode_node(children.block[static_cast<std::size_t>(i)], freedom);
+        const float left = limit - node.cost + rounding * limit;
+        const Node part = encode_node(children.block[static_cast<std::size_t>(i)], freedom, left);
         node.cost += part.cost;
         append(part.levels, node.levels);
     }

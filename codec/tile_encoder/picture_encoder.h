@@ -39,7 +39,7 @@ private:
     // How a node may be split further: halves of halves are quarters, which stay whole.
     enum class Freedom { none, one_side, all };
 
-    Node encode_node(const Block& block, Freedom freedom);
+    Node encode_node(const Block& block, Freedom freedom, float limit);
     Node encode_whole(const Block& block);
     void offer(const Block& block, const BlockPrediction& prediction,
                const BlockEncoder::KnownBlock& known, Node& best);
