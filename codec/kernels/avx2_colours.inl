@@ -34,6 +34,21 @@ void store_24_bytes(unsigned char* to, __m256i texels) {
     _mm_storel_epi64(reinterpret_cast<__m128i*>(to + 16), _mm256_extracti128_si256(dense, 1));
 }
 
+// Stores the first `texels` texels of one image, eight at a time.
+void store_image(const PlaneSet& in, int at, int texels, int images, unsigned char* out) {
+    for (int x = 0; x < texels; x += 8, at += 8, out += 24 * images) {
+        const __m256i rgb = rgb_lanes(in, at);
+        if (images == 1) {
+            store_24_bytes(out, rgb);
+            continue;
+        }
+        std::uint32_t each[8];
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(each), rgb);
+        for (int i = 0; i < 8; ++i)
+            __builtin_memcpy(out + 3 * i * images, &each[i], 3);
+    }
+}
+
 void store_ycocg8_avx2(const PlaneSet& in, int texels, int images, unsigned char* out) {
     const int whole_texels = texels & ~7, whole_images = images & ~7;
     for (int x = 0; x < whole_texels; x += 8)
@@ -45,7 +60,8 @@ void store_ycocg8_avx2(const PlaneSet& in, int texels, int images, unsigned char
             for (int j = 0; j < 8; ++j)
                 store_24_bytes(out + 3 * ((x + j) * images + i), rows[j]);
         }
-    store_ycocg8_part(in, texels, images, 0, whole_texels, whole_images, images, out);
+    for (int i = whole_images; i < images; ++i)
+        store_image(in, i * texels, whole_texels, images, out + 3 * i);
     store_ycocg8_part(in, texels, images, whole_texels, texels, 0, images, out);
 }
 

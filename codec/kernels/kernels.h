@@ -57,6 +57,17 @@ struct BaseCopies {
 };
 constexpr std::int32_t no_limit = 1 << 30; // above every value that kernels produce
 
+// The border of a block of a picture as one line, to be continued into the block (FORMAT.md 4.6).
+// line[0] is the corner, and line[i] texel i of the side that is continued, n of which touch the
+// block; line[-i] is a texel of the other side. Row y = 0 .. depth - 1 of the block, counted from
+// that side, moves by `slope` / 32 texels for each row. Up to read_behind_border values past the last
+// one are read but have no effect.
+struct BorderLine {
+    const std::int32_t* line;
+    int slope, n, depth;
+};
+constexpr int read_behind_border = 8;
+
 // The filter of FORMAT.md 4.7 for one plane. Each ring has four taps.
 struct FilterTaps {
     std::array<std::int32_t, filter_rings> strength;
@@ -126,6 +137,11 @@ struct Kernels {
     // The inverse, for the encoder: any RGB to sixteenths of a code minus the background.
     void (*load_ycocg8)(const unsigned char* in, int texels, int images,
                         const std::int32_t background[3], std::int32_t* const plane[3]);
+
+    // Continues the side above a block to depth x n texels in `out`, row by row, or the side to its
+    // left to n x depth texels.
+    void (*continue_top)(const BorderLine& from, std::int32_t* out);
+    void (*continue_left)(const BorderLine& from, std::int32_t* out);
 
     // Copies the dense rows of a view for the filter, clamped to -limit .. limit - 1, with margins.
     // Returns the rows that are all 0. May write 15 values past a row's margin.

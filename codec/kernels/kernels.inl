@@ -361,6 +361,29 @@ void base_along_v(const std::int32_t* from, const BaseCopies& to) {
     }
 }
 
+// Texel x in a row that begins after from[0], moved by part / 32 texels.
+inline std::int32_t continued(const std::int32_t* from, int part, int x) {
+    return ((32 - part) * from[x] + part * from[x + 1] + 16) >> 5;
+}
+
+void continue_top(const BorderLine& from, std::int32_t* out) {
+    for (int y = 0; y < from.depth; ++y, out += from.n) {
+        const int at = (y + 1) * from.slope, part = at & 31;
+        const std::int32_t* const first = from.line + (at >> 5) + 1;
+        for (int x = 0; x < from.n; ++x)
+            out[x] = continued(first, part, x);
+    }
+}
+
+void continue_left(const BorderLine& from, std::int32_t* out) {
+    for (int y = 0; y < from.depth; ++y, ++out) {
+        const int at = (y + 1) * from.slope, part = at & 31;
+        const std::int32_t* const first = from.line + (at >> 5) + 1;
+        for (int x = 0; x < from.n; ++x)
+            out[x * from.depth] = continued(first, part, x);
+    }
+}
+
 template <class Value> inline void fill_margins(Value* row, int n) {
     for (int i = 1; i <= filter_margin; ++i) {
         row[-i] = row[0];
@@ -439,6 +462,8 @@ constexpr Kernels make_kernels(const char* name) {
             .base_along_v = base_along_v,
             .store_ycocg8 = store_ycocg8,
             .load_ycocg8 = load_ycocg8,
+            .continue_top = continue_top,
+            .continue_left = continue_left,
             .pad_rows = pad_rows<std::int16_t>,
             .pad_wide_rows = pad_rows<std::int32_t>,
             .filter_view = filter_view<std::int16_t>,

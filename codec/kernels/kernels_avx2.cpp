@@ -20,6 +20,7 @@ __m256i lane_mask(int count) {
 
 #include "codec/kernels/avx2_texels.inl"
 
+#include "codec/kernels/avx2_border.inl"
 #include "codec/kernels/avx2_colours.inl"
 #include "codec/kernels/avx2_copies.inl"
 #include "codec/kernels/avx2_filter.inl"
@@ -41,6 +42,8 @@ constexpr Kernels make_avx2_kernels() {
     k.copy_rows = copy_rows_avx2;
     k.base_along_u = base_along_u_avx2;
     k.base_along_v = base_along_v_avx2;
+    k.continue_top = continue_top_avx2;
+    k.continue_left = continue_left_avx2;
     k.store_ycocg8 = store_ycocg8_avx2;
     k.load_ycocg8 = load_ycocg8_avx2;
     k.filter_view = filter_view_avx2;

@@ -147,6 +147,9 @@ struct SearchKernels {
     void (*add_row)(const float* x, int n, float* sum, float* squares);
     // The same for each of `count` consecutive runs of four floats, into sums[i] and squares[i].
     void (*add_quads)(const float* x, int count, float* sums, float* squares);
+    // sums[i] += the energy of x - predicted * unit in run i of `count` consecutive ones of four.
+    void (*add_quad_errors)(const float* x, const std::int32_t* predicted, float unit, int count,
+                            float* sums);
     // For n cells with the given sums, sums of squares and numbers of texels: energy[i] += scale *
     // the energy about the cell's mean; of_mean[i] = scale * the energy of the mean.
     void (*measure_cells)(const float* sums, const float* squares, const float* texels, int n,

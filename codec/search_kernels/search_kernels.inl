@@ -88,8 +88,9 @@ template <int n, int frequencies> struct SplitBasis {
     }
 };
 
-// Transforms one vector of columns of an image. Frequency k of a column goes to tmp[k * nu].
-template <int n, int frequencies, class Vector>
+// Transforms one vector of columns of an image. Frequency k of a column goes to tmp[k * nu], or
+// to where it is with the even ones first.
+template <int n, int frequencies, bool evens_first, class Vector>
 inline void column_vector(const float* in, int stride, int nu, float* tmp) {
     using Basis = SplitBasis<n, frequencies>;
     const Basis& b = Basis::get();
@@ -100,32 +101,79 @@ inline void column_vector(const float* in, int stride, int nu, float* tmp) {
         even[v] = head + tail;
         odd[v] = head - tail;
     }
-    // Computing two frequencies of each kind at a time shares the loads.
-    for (int k = 0; k < Basis::kept; k += 2) {
-        Vector e0{}, e1{}, o0{}, o1{};
+    // Computing several frequencies of each kind at a time shares the loads, and their sums do not
+    // wait for each other.
+    constexpr int at_once = Basis::kept < 4 ? Basis::kept : 4;
+    for (int k = 0; k < Basis::kept; k += at_once) {
+        Vector e[at_once] = {}, o[at_once] = {};
+        const float *even_basis = b.even_t[0] + k, *odd_basis = b.odd_t[0] + k;
+#pragma GCC unroll 2
         for (int v = 0; v < Basis::half; ++v) {
-            e0 += even[v] * b.even[k][v];
-            e1 += even[v] * b.even[k + 1][v];
-            o0 += odd[v] * b.odd[k][v];
-            o1 += odd[v] * b.odd[k + 1][v];
+            for (int i = 0; i < at_once; ++i) {
+                e[i] += even[v] * even_basis[i];
+                o[i] += odd[v] * odd_basis[i];
+            }
+            even_basis += Basis::kept;
+            odd_basis += Basis::kept;
         }
-        store(tmp + 2 * k * nu, e0);
-        store(tmp + (2 * k + 1) * nu, o0);
-        store(tmp + (2 * k + 2) * nu, e1);
-        store(tmp + (2 * k + 3) * nu, o1);
+        for (int i = 0; i < at_once; ++i) {
+            const int at = k + i;
+            store(tmp + (evens_first ? at : 2 * at) * nu, e[i]);
+            store(tmp + (evens_first ? Basis::kept + at : 2 * at + 1) * nu, o[i]);
+        }
     }
 }
 
 template <int n> void image_columns(const float* in, int stride, int nu, float* tmp) {
     int u = 0;
     for (; u + 8 <= nu; u += 8)
-        column_vector<n, forward_kept(n), Float8>(in + u, stride, nu, tmp + u);
+        column_vector<n, forward_kept(n), false, Float8>(in + u, stride, nu, tmp + u);
     for (; u < nu; u += 4)
-        column_vector<n, forward_kept(n), Float4>(in + u, stride, nu, tmp + u);
+        column_vector<n, forward_kept(n), false, Float4>(in + u, stride, nu, tmp + u);
+}
+
+struct FourRows {
+    Float4 a, b, c, d;
+};
+inline FourRows transposed(const FourRows& r) {
+    const Float4 ac = __builtin_shufflevector(r.a, r.c, 0, 4, 1, 5),
+                 ac_end = __builtin_shufflevector(r.a, r.c, 2, 6, 3, 7),
+                 bd = __builtin_shufflevector(r.b, r.d, 0, 4, 1, 5),
+                 bd_end = __builtin_shufflevector(r.b, r.d, 2, 6, 3, 7);
+    return {__builtin_shufflevector(ac, bd, 0, 4, 1, 5),
+            __builtin_shufflevector(ac, bd, 2, 6, 3, 7),
+            __builtin_shufflevector(ac_end, bd_end, 0, 4, 1, 5),
+            __builtin_shufflevector(ac_end, bd_end, 2, 6, 3, 7)};
+}
+
+// to[j * to_stride + i] = from[i * stride + j] for i, j < 4.
+inline void transpose_four(const float* from, int stride, float* to, int to_stride) {
+    const auto row = [&](int i) { return load<Float4>(from + i * stride); };
+    const FourRows columns = transposed({row(0), row(1), row(2), row(3)});
+    store(to, columns.a);
+    store(to + to_stride, columns.b);
+    store(to + 2 * to_stride, columns.c);
+    store(to + 3 * to_stride, columns.d);
+}
+
+// Transforms a vector of rows as columns: their sums do not wait for each other. Row r goes to
+// out[r * out_stride].
+template <int n, int frequencies, bool evens_first, class Vector>
+inline void row_vector(const float* in, int stride, float* out, int out_stride) {
+    constexpr int width = sizeof(Vector) / sizeof(float);
+    float values[n * width], transformed[frequencies * width];
+    for (int r = 0; r < width; r += 4)
+        for (int x = 0; x < n; x += 4)
+            transpose_four(in + r * stride + x, stride, values + x * width + r, width);
+    column_vector<n, frequencies, evens_first, Vector>(values, width, width, transformed);
+    for (int r = 0; r < width; r += 4)
+        for (int k = 0; k < frequencies; k += 4)
+            transpose_four(transformed + k * width + r, width, out + r * out_stride + k,
+                           out_stride);
 }
 
 // Transforms the rows of tmp, two at a time. Each row of the output has its even frequencies first.
-template <int n, class Vector> void image_rows(const float* tmp, int rows, float* out) {
+template <int n, class Vector> void image_row_pairs(const float* tmp, int rows, float* out) {
     using Basis = SplitBasis<n, forward_kept(n)>;
     const Basis& b = Basis::get();
     constexpr int width = sizeof(Vector) / sizeof(float);
@@ -144,6 +192,17 @@ template <int n, class Vector> void image_rows(const float* tmp, int rows, float
             store(out + 2 * Basis::kept + k, e1);
             store(out + 3 * Basis::kept + k, o1);
         }
+}
+
+// The same, as many rows at a time as there are.
+template <int n, class Pairs> void image_rows(const float* tmp, int rows, float* out) {
+    constexpr int kept = forward_kept(n);
+    int r = 0;
+    for (; r + 8 <= rows; r += 8)
+        row_vector<n, kept, true, Float8>(tmp + r * n, n, out + r * kept, kept);
+    for (; r + 4 <= rows; r += 4)
+        row_vector<n, kept, true, Float4>(tmp + r * n, n, out + r * kept, kept);
+    image_row_pairs<n, Pairs>(tmp + r * n, rows - r, out + r * kept);
 }
 
 // The transform for any side, with terms added in the order of x. Each sum has to wait for its
@@ -256,18 +315,28 @@ void forward_rows_split(const float* in, float* out, int rows, int stride) {
         }
 }
 
+template <int n, class Single>
+void forward_rows_of(const float* in, float* out, int rows, int stride) {
+    int r = 0;
+    for (; r + 8 <= rows; r += 8)
+        row_vector<n, n, false, Float8>(in + r * stride, stride, out + r * stride, stride);
+    for (; r + 4 <= rows; r += 4)
+        row_vector<n, n, false, Float4>(in + r * stride, stride, out + r * stride, stride);
+    forward_rows_split<n, Single>(in + r * stride, out + r * stride, rows - r, stride);
+}
+
 void forward_rows(const float* in, float* out, int rows, int n, int stride, const float* basis_t) {
     switch (n) {
     case 4:
-        return forward_rows_split<4, Float2>(in, out, rows, stride);
+        return forward_rows_of<4, Float2>(in, out, rows, stride);
     case 8:
-        return forward_rows_split<8, Float4>(in, out, rows, stride);
+        return forward_rows_of<8, Float4>(in, out, rows, stride);
     case 16:
-        return forward_rows_split<16, Float8>(in, out, rows, stride);
+        return forward_rows_of<16, Float8>(in, out, rows, stride);
     case 32:
-        return forward_rows_split<32, Float8>(in, out, rows, stride);
+        return forward_rows_of<32, Float8>(in, out, rows, stride);
     case 64:
-        return forward_rows_split<64, Float8>(in, out, rows, stride);
+        return forward_rows_of<64, Float8>(in, out, rows, stride);
     default:
         plain_rows(in, 1, stride, rows, n, n, basis_t, out, 1, stride);
     }
@@ -285,9 +354,9 @@ template <int n>
 int forward_planes_split(const float* in, int in_step, float* out, int out_step, int width) {
     int i = 0;
     for (; i + 8 <= width; i += 8)
-        column_vector<n, n, Float8>(in + i, in_step, out_step, out + i);
+        column_vector<n, n, false, Float8>(in + i, in_step, out_step, out + i);
     for (; i + 4 <= width; i += 4)
-        column_vector<n, n, Float4>(in + i, in_step, out_step, out + i);
+        column_vector<n, n, false, Float4>(in + i, in_step, out_step, out + i);
     return i;
 }
 
@@ -488,6 +557,27 @@ void add_quads(const float* x, int count, float* sums, float* squares) {
         add_row(x, 4, sums + i, squares + i);
 }
 
+// Four runs of four are summed at once, each in the order of its values.
+void add_quad_errors(const float* x, const std::int32_t* predicted, float unit, int count,
+                     float* sums) {
+    const auto squares = [&](int at) {
+        Int4 whole;
+        __builtin_memcpy(&whole, predicted + at, sizeof whole);
+        const Float4 error = load<Float4>(x + at) - __builtin_convertvector(whole, Float4) * unit;
+        return error * error;
+    };
+    int i = 0;
+    for (; i + 4 <= count; i += 4) {
+        const FourRows of = transposed(
+            {squares(4 * i), squares(4 * i + 4), squares(4 * i + 8), squares(4 * i + 12)});
+        store(sums + i, load<Float4>(sums + i) + (((of.a + of.b) + of.c) + of.d));
+    }
+    for (; i < count; ++i) {
+        const Float4 of = squares(4 * i);
+        sums[i] += ((of[0] + of[1]) + of[2]) + of[3];
+    }
+}
+
 template <class Vector>
 inline void measure_some(const float* sums, const float* squares, const float* texels, float scale,
                          float* energy, float* of_mean) {
@@ -675,6 +765,7 @@ constexpr SearchKernels make_search_kernels() {
             .long_colours = long_colours,
             .add_row = add_row,
             .add_quads = add_quads,
+            .add_quad_errors = add_quad_errors,
             .measure_cells = measure_cells,
             .add_pairs = add_pairs,
             .add_singles = add_singles,

@@ -1,6 +1,7 @@
 #include "codec/tile_encoder/base_matches.h"
 
 #include "codec/reconstruct/copy_prediction.h"
+#include "codec/search_kernels/search_kernels.h"
 
 #include <algorithm>
 
@@ -82,27 +83,41 @@ void BaseMatches::measure(const Axes& cells) {
         return cell;
     };
     const auto of_v = cells_of(1), of_s = cells_of(2), of_t = cells_of(3);
+    const std::size_t width = cells[0].size();
+    const bool are_quads =
+        std::ranges::all_of(cells[0], [](const Segment& cell) { return cell.size == 4; });
     for (std::size_t i = 0; i < displacements; ++i) {
         const int d = static_cast<int>(i) - farthest_base_copy;
         predict_plane(whole, {CopyFrom::base, base_displacement(coding_->parameters.base, d)},
                       *coding_, *decoded_, 0, predicted_);
+        of_displacement_.assign(finest_.size() / displacements, 0.0f);
         std::size_t at = 0;
         for (std::size_t t = 0; t < n[3]; ++t)
             for (std::size_t s = 0; s < n[2]; ++s)
                 for (std::size_t v = 0; v < n[1]; ++v) {
-                    const std::size_t row =
+                    float* const row =
+                        of_displacement_.data() +
                         ((of_t[t] * finest_count_[2] + of_s[s]) * finest_count_[1] + of_v[v]) *
-                        finest_count_[0];
-                    for (std::size_t cell = 0; cell < cells[0].size(); ++cell) {
+                            width;
+                    if (are_quads) {
+                        search_kernels().add_quad_errors(source_->data() + at,
+                                                         predicted_.data() + at, codes_,
+                                                         static_cast<int>(width), row);
+                        at += 4 * width;
+                        continue;
+                    }
+                    for (std::size_t cell = 0; cell < width; ++cell) {
                         float sum = 0;
                         for (int u = 0; u < cells[0][cell].size; ++u, ++at) {
                             const float e =
                                 (*source_)[at] - static_cast<float>(predicted_[at]) * codes_;
                             sum += e * e;
                         }
-                        finest_[(row + cell) * displacements + i] += sum;
+                        row[cell] += sum;
                     }
                 }
+        for (std::size_t cell = 0; cell < of_displacement_.size(); ++cell)
+            finest_[cell * displacements + i] = of_displacement_[cell];
     }
 }
 

@@ -50,6 +50,7 @@ private:
     std::vector<float> errors_, finest_;
     std::array<std::size_t, 4> count_{}, finest_count_{};
     std::vector<std::int32_t> predicted_;
+    std::vector<float> of_displacement_; // errors in the finest cells
 };
 
 } // namespace tessera

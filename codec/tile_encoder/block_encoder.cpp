@@ -3,6 +3,7 @@
 #include "codec/tile_encoder/colour_choice.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -19,14 +20,25 @@ constexpr float colours_apart = 1.15f;
 class BlockEncoder::CurrentBlock {
 public:
     CurrentBlock(BlockEncoder& encoder, BlockSearch& search, const Block& block,
-                 const BlockPrediction& prediction, const TilePlanes& decoded, bool colours)
+                 const BlockPrediction& prediction, const TilePlanes* decoded)
         : encoder_(encoder), search_(search), block_(block), prediction_(prediction),
-          decoded_(decoded), known_(encoder.coded_.at(block, prediction)), has_colours_(colours) {
+          decoded_(decoded), known_(encoder.coded_.at(block, prediction)),
+          has_colours_(encoder.coding_->rotates && encoder.settings_->rotate_colours) {
         if (!prediction.copies())
             return;
         transform();
         encoder.coded_.check(known_, encoder.plain_, encoder.coding_->planes);
     }
+    // A block whose coefficients are known.
+    CurrentBlock(BlockEncoder& encoder, BlockSearch& search, const Block& block,
+                 const BlockPrediction& prediction, const KnownBlock& known)
+        : CurrentBlock(encoder, search, block, prediction, nullptr) {
+        std::swap(encoder.plain_, *known.coefficients);
+        is_transformed_ = true;
+        way({}).estimate = known.estimate;
+    }
+
+    bool has_colours() const { return has_colours_; }
 
     // A block of zeros does not lose the same on rotated axes as on Y, Co and Cg, which are not
     // orthogonal, so costs relative to it would not compare.
@@ -124,7 +136,7 @@ private:
 
     void transform() {
         if (!is_transformed_)
-            search_.transform_block(block_, prediction_, decoded_, encoder_.plain_);
+            search_.transform_block(block_, prediction_, *decoded_, encoder_.plain_);
         is_transformed_ = true;
     }
 
@@ -148,7 +160,7 @@ private:
     BlockSearch& search_;
     const Block& block_;
     const BlockPrediction& prediction_;
-    const TilePlanes& decoded_;
+    const TilePlanes* const decoded_; // null if nothing is copied
     CodedBlock& known_;
     const bool has_colours_;
     float least_ = unreachable_cost; // cost of the cheapest colour so far
@@ -160,8 +172,19 @@ private:
 float BlockEncoder::encode(BlockSearch& search, const Block& block,
                            const BlockPrediction& prediction, const TilePlanes& decoded,
                            TileLevels& out, float limit) {
-    const bool colours = coding_->rotates && settings_->rotate_colours;
-    CurrentBlock current(*this, search, block, prediction, decoded, colours);
+    CurrentBlock current(*this, search, block, prediction, &decoded);
+    return encode(current, out, limit);
+}
+
+float BlockEncoder::encode(BlockSearch& search, const Block& block,
+                           const BlockPrediction& prediction, const KnownBlock& known,
+                           TileLevels& out, float limit) {
+    CurrentBlock current(*this, search, block, prediction, known);
+    return encode(current, out, limit);
+}
+
+float BlockEncoder::encode(CurrentBlock& current, TileLevels& out, float limit) {
+    const bool colours = current.has_colours();
     // Without a trellis coding takes little longer than estimating, and shares of luma would save
     // 1 % for a third of the time.
     const bool estimates = coding_->parameters.dependent && current.needs_energy();

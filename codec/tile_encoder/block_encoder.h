@@ -7,6 +7,8 @@
 #include "codec/tile_encoder/coded_blocks.h"
 #include "codec/tile_encoder/effort_settings.h"
 
+#include <optional>
+
 namespace tessera {
 
 // Holds scratch memory: one per thread.
@@ -30,6 +32,15 @@ public:
     // alone.
     float encode(BlockSearch& search, const Block& block, const BlockPrediction& prediction,
                  const TilePlanes& decoded, TileLevels& out, float limit = unreachable_cost);
+    // What is known of a block already: its coefficients, which are swapped with others, and their
+    // estimated cost.
+    struct KnownBlock {
+        BlockCoefficients* coefficients;
+        std::optional<float> estimate;
+    };
+    // The same for a block with a border mode or without prediction.
+    float encode(BlockSearch& search, const Block& block, const BlockPrediction& prediction,
+                 const KnownBlock& known, TileLevels& out, float limit);
     // Replaces `out` by the given coefficients, coded with that colour if its first plane is not
     // empty then, otherwise with none.
     void encode_as(const BlockCoefficients& block, const BlockColour& colour, TileLevels& out);
@@ -43,6 +54,7 @@ public:
 
 private:
     class CurrentBlock;
+    float encode(CurrentBlock& block, TileLevels& out, float limit);
     BlockColour best_shares(const LumaFit& fit) const;
     float colour_bits(const BlockColour& colour) const; // of its symbols
 

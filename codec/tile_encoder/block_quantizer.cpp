@@ -4,6 +4,7 @@
 #include "codec/entropy/tile_entropy.h"
 #include "codec/entropy/tile_syntax.h"
 #include "codec/search_kernels/search_kernels.h"
+#include "codec/tile_encoder/plane_sums.h"
 
 #include <algorithm>
 #include <cmath>
@@ -139,15 +140,11 @@ void BlockQuantizer::predict_chroma(const BlockCoefficients& block, const BlockC
 }
 
 float BlockQuantizer::energy(const BlockCoefficients& block) const {
+    const auto squares = sums_of_squares(block.plane, block.is_blank, coding_.planes,
+                                         static_cast<std::size_t>(block.shape.texels()));
     float total = 0;
-    for (int plane = 0; plane < coding_.planes; ++plane) {
-        if (block.is_blank[plane])
-            continue;
-        float sum = 0;
-        for (const float x : std::span(block.plane[plane]).first(block.shape.texels()))
-            sum += x * x;
-        total += sum * inverse_step(block, plane) * inverse_step(block, plane);
-    }
+    for (int plane = 0; plane < coding_.planes; ++plane)
+        total += squares[plane] * inverse_step(block, plane) * inverse_step(block, plane);
     return total;
 }
 

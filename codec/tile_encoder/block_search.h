@@ -48,19 +48,16 @@ public:
     // The coefficients of one block, less what it copies of `reconstructed`.
     void transform_block(const Block& block, const BlockPrediction& prediction,
                          const TilePlanes& reconstructed, BlockCoefficients& out) {
-        transform_block(block, prediction, reconstructed, out, coding_->planes);
-    }
-    // Those of the first `planes` planes only.
-    void transform_block(const Block& block, const BlockPrediction& prediction,
-                         const TilePlanes& reconstructed, BlockCoefficients& out, int planes) {
         out.fineness = tile_.costs.fineness();
-        tile_.source.transform(block, prediction, reconstructed, out, planes);
+        tile_.source.transform(block, prediction, reconstructed, out, coding_->planes);
     }
+    SourceTile& source() { return tile_.source; }
     // The estimated cost of such coefficients, in squared steps, without the symbol of their
     // colour.
-    float estimate(const BlockCoefficients& block) { return estimate(block, coding_->planes); }
-    float estimate(const BlockCoefficients& block, int planes) {
-        return tile_.costs.estimate(block, planes);
+    float estimate(const BlockCoefficients& block) { return tile_.costs.estimate(block); }
+    // See CellCosts::estimate.
+    float estimate(const BlockCoefficients& block, int first, int end, float cost) {
+        return tile_.costs.estimate(block, first, end, cost);
     }
 
 private:

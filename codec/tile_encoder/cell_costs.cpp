@@ -115,10 +115,9 @@ float CellCosts::block_cost(const Coefficients& block, const BlockShape& shape, 
     return std::min(cost, rotated) + unseen + luck;
 }
 
-float CellCosts::estimate(const BlockCoefficients& block, int planes) {
+float CellCosts::estimate(const BlockCoefficients& block, int first, int end, float cost) {
     const float* base = dense_costs(block.shape).data();
-    float cost = 0;
-    for (int p = 0; p < planes; ++p)
+    for (int p = first; p < end; ++p)
         if (!block.is_blank[p])
             cost += cost_of(block.plane[p].data(), base, block.shape.texels(),
                             block.colour.is_rotated() && p < 3 ? inverse_rotated_step_
@@ -127,8 +126,12 @@ float CellCosts::estimate(const BlockCoefficients& block, int planes) {
 }
 
 const std::vector<float>& CellCosts::dense_costs(const BlockShape& shape) {
+    if (recent_ != nullptr && recent_shape_ == shape)
+        return *recent_;
     auto [found, is_new] = dense_.try_emplace(shape);
     std::vector<float>& dense = found->second;
+    recent_shape_ = shape;
+    recent_ = &dense;
     if (!is_new)
         return dense;
     const ScanOrder& order = coding_->shape(shape).order;

@@ -38,7 +38,11 @@ public:
     // forward_image leaves frequencies out.
     float block_cost(const Coefficients& block, const BlockShape& shape, float energy);
     // Cost of a block's full coefficients without the symbol of its colour.
-    float estimate(const BlockCoefficients& block, int planes);
+    float estimate(const BlockCoefficients& block) {
+        return estimate(block, 0, coding_->planes, 0);
+    }
+    // `cost` plus that of the planes from `first` to `end` - 1, summed in that order.
+    float estimate(const BlockCoefficients& block, int first, int end, float cost);
 
 private:
     // Cost of coding each coefficient, apart from its magnitude: in block order and in that of
@@ -55,6 +59,9 @@ private:
     float inverse_rotated_step_ = 1;
     std::vector<float> rotated_;
     std::map<BlockShape, std::vector<float>> dense_, kept_;
+    // The entry of dense_ that was used last, as most blocks are estimated many times.
+    BlockShape recent_shape_;
+    const std::vector<float>* recent_ = nullptr;
 };
 
 } // namespace tessera

@@ -1,5 +1,7 @@
 #include "codec/tile_encoder/copy_search.h"
 
+#include "codec/tile_encoder/plane_sums.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -166,29 +168,31 @@ float CopySearch::copy_cost(TileSearch& tile, const Block& block, const BlockPre
     const int images = shape.n[2] * shape.n[3], image = shape.n[0] * shape.n[1];
     const int kept = forward_kept(shape.n[0]) * forward_kept(shape.n[1]);
     const SearchKernels& k = search_kernels();
-    // Both buffers only grow, because they are swapped below.
-    residual_.resize(std::max(residual_.size(), texels));
-    scratch_.resize(std::max(scratch_.size(), texels));
-    float energy = 0;
+    for (std::vector<float>& scratch : scratch_)
+        scratch.resize(std::max(scratch.size(), texels));
     for (int p = 0; p < coding_->planes; ++p) {
-        tile.source.difference(block, prediction, p, reconstructed, residual_.data());
-        if (kept < image) { // otherwise block_cost does not need it
-            float squares = 0;
-            for (std::size_t i = 0; i < texels; ++i)
-                squares += residual_[i] * residual_[i];
-            energy += squares * tile.costs.inverse_step(p) * tile.costs.inverse_step(p);
-        }
+        std::vector<float>& residual = residual_[p];
+        residual.resize(std::max(residual.size(), texels));
+        tile.source.difference(block, prediction, p, reconstructed, residual.data());
+        const float* from = residual.data();
         for (int axis = 3; axis >= 2; --axis)
             if (shape.n[axis] > 1) {
-                forward_axis(residual_.data(), scratch_.data(), shape, axis);
-                residual_.swap(scratch_);
+                float* const to = scratch_[axis - 2].data();
+                forward_axis(from, to, shape, axis);
+                from = to;
             }
         coefficients_[p].resize(std::max(coefficients_[p].size(), texels));
         for (int i = 0; i < images; ++i)
-            k.forward_image(residual_.data() + i * image, shape.n[0], shape.n[0], shape.n[1],
+            k.forward_image(from + i * image, shape.n[0], shape.n[0], shape.n[1],
                             coefficients_[p].data() + i * kept);
         if (p == 0 && tile.costs.plane_cost(coefficients_, shape, p) >= limit)
             return std::numeric_limits<float>::infinity();
+    }
+    float energy = 0;
+    if (kept < image) { // otherwise block_cost does not need it
+        const auto squares = sums_of_squares(residual_, {}, coding_->planes, texels);
+        for (int p = 0; p < coding_->planes; ++p)
+            energy += squares[p] * tile.costs.inverse_step(p) * tile.costs.inverse_step(p);
     }
     return tile.costs.block_cost(coefficients_, shape, energy);
 }

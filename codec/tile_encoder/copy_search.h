@@ -59,7 +59,9 @@ private:
     bool has_matches_ = false;        // of the current tile
     DisplacementSearch::Cells cells_; // of one angular depth
     BaseMatches base_matches_;
-    std::vector<float> residual_, scratch_;
+    // They only grow, as growing clears memory.
+    std::array<std::vector<float>, max_planes> residual_;
+    std::array<std::vector<float>, 2> scratch_; // transformed along s, along t
     CellCosts::Coefficients coefficients_;
 };
 

@@ -9,6 +9,7 @@ namespace {
 constexpr int smallest_side = 4; // of blocks; sides of 2 save 0.3 %, and up to 2 % in dense detail
 // Modes that are compared in luma only, before the best of them are compared in all planes.
 constexpr std::size_t kept_of_luma = 8;
+constexpr float rounding = 1e-5f; // a sum of costs is off by less than this share
 
 // Appends the levels of one node to those of another.
 void append(const TileLevels& from, TileLevels& to) {
@@ -39,7 +40,7 @@ float PictureEncoder::encode(const Block& root, TileLevels& out) {
     decoded_.resize(root.shape, coding_.planes);
     blocks_.memory = {};
     modes_ = {};
-    Node node = encode_node(root, Freedom::all);
+    Node node = encode_node(root, Freedom::all, unreachable_cost);
     out = std::move(node.levels);
     out.order.resize(out.blocks.size());
     for (std::size_t i = 0; i < out.order.size(); ++i)
@@ -49,18 +50,20 @@ float PictureEncoder::encode(const Block& root, TileLevels& out) {
     return node.cost;
 }
 
-// Leaves the node in decoded_ and what it leads to in blocks_.memory and modes_.
-PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom freedom) {
+// Leaves the node in decoded_ and what it leads to in blocks_.memory and modes_. A node that costs
+// `limit` or more is of no use: it is not the best one then, and nothing is left of it.
+PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom freedom, float limit) {
     if (is_too_large(block.shape))
-        return encode_parts(block, Split::spatial, freedom, unreachable_cost);
+        return encode_parts(block, Split::spatial, freedom, limit);
     const Memory before = memory();
     decoded_.done.forget(block);
     Node best = encode_whole(block);
     const auto& n = block.shape.n;
     const auto attempt = [&](Split split, Freedom of_parts) {
         go_back(block, before);
-        Node node = encode_parts(block, split, of_parts, best.cost);
-        if (node.cost < best.cost)
+        const float most = std::min(best.cost, limit);
+        Node node = encode_parts(block, split, of_parts, most);
+        if (node.cost < most)
             best = std::move(node);
     };
     const PictureSearch& options = settings_.pictures;
@@ -75,6 +78,8 @@ PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom fre
         if (options.halves && can_halve_v)
             attempt(Split::v, of_halves);
     }
+    if (best.cost >= limit)
+        return best;
     go_back(block, best.after);
     for (std::size_t i = 0; i < best.levels.blocks.size(); ++i)
         reconstruct_block(best.levels, i, coding_, scratch_, decoded_, search_.fineness());
@@ -86,17 +91,21 @@ PictureEncoder::Node PictureEncoder::encode_whole(const Block& block) {
     Node best;
     best.cost = unreachable_cost;
     const ColourMemory colours = blocks_.memory;
-    const std::size_t tries =
-        std::min(candidates_.size(), static_cast<std::size_t>(settings_.pictures.coded_modes));
-    for (std::size_t i = 0; i < tries; ++i) {
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
         BlockPrediction prediction = from_border(candidates_[i].mode);
         const bool tries_sines = static_cast<int>(i) < settings_.pictures.transform_modes &&
                                  transform_context(prediction.mode, block.shape) >= 0;
-        for (int kind = 0; kind < (tries_sines ? transform_kinds : 1); ++kind) {
+        offer(block, prediction, {&slots_[candidates_[i].slot], candidates_[i].estimate}, best);
+        for (int plane = 0; tries_sines && plane < coding_.planes; ++plane)
+            find_difference(block, prediction.mode, plane);
+        for (int kind = 1; tries_sines && kind < transform_kinds; ++kind) {
             prediction.transform = static_cast<BlockTransform>(kind);
+            for (int plane = 0; plane < coding_.planes; ++plane)
+                transform(block, prediction, plane, coefficients_);
             blocks_.memory = colours;
-            offer(block, prediction, best);
+            offer(block, prediction, {&coefficients_, {}}, best);
         }
+        blocks_.memory = colours;
     }
     best.cost += split_cost(block, Split::none);
     best.levels.shape = decoded_.shape;
@@ -108,9 +117,10 @@ PictureEncoder::Node PictureEncoder::encode_whole(const Block& block) {
 }
 
 // Codes the block with this prediction, and keeps that if it costs less than `best`.
-void PictureEncoder::offer(const Block& block, const BlockPrediction& prediction, Node& best) {
+void PictureEncoder::offer(const Block& block, const BlockPrediction& prediction,
+                           const BlockEncoder::KnownBlock& known, Node& best) {
     trial_.clear();
-    float cost = blocks_.encode(search_, block, prediction, decoded_, trial_, best.cost) +
+    float cost = blocks_.encode(search_, block, prediction, known, trial_, best.cost) +
                  mode_cost(block, prediction.mode);
     if (cost >= best.cost)
         return;
@@ -139,7 +149,8 @@ PictureEncoder::Node PictureEncoder::encode_parts(const Block& block, Split spli
         node.cost = split_cost(block, split);
     const Children children = children_of(block, split);
     for (int i = 0; i < children.count && node.cost < limit; ++i) {
-        const Node part = encode_node(children.block[static_cast<std::size_t>(i)], freedom);
+        const float left = limit - node.cost + rounding * limit;
+        const Node part = encode_node(children.block[static_cast<std::size_t>(i)], freedom, left);
         node.cost += part.cost;
         append(part.levels, node.levels);
     }
@@ -147,25 +158,82 @@ PictureEncoder::Node PictureEncoder::encode_parts(const Block& block, Split spli
     return node;
 }
 
-// Estimates what the block costs in each mode.
+// Writes one plane of the block, less its prediction, to difference_.
+void PictureEncoder::find_difference(const Block& block, BorderMode mode, int plane) {
+    const auto texels = static_cast<std::size_t>(block.shape.texels());
+    std::vector<float>& difference = difference_[static_cast<std::size_t>(plane)];
+    difference.resize(std::max(difference.size(), texels));
+    predicted_.resize(std::max(predicted_.size(), texels));
+    if (mode != mode_none)
+        borders_[static_cast<std::size_t>(plane)].predict(mode, predicted_.data());
+    search_.source().subtract(block, plane, mode != mode_none ? predicted_.data() : nullptr,
+                              difference.data());
+}
+
+// Transforms one plane of difference_.
+void PictureEncoder::transform(const Block& block, const BlockPrediction& prediction, int plane,
+                               BlockCoefficients& out) {
+    const auto p = static_cast<std::size_t>(plane);
+    out.shape = block.shape;
+    out.copies = false;
+    out.is_predicted = prediction.is_predicted();
+    out.fineness = search_.fineness();
+    out.is_blank[p] =
+        search_.source().transform_plane(block.shape, sine_axes(prediction.transform, block.shape),
+                                         difference_[p].data(), out.plane[p]);
+}
+
+// Finds the modes that cost least in luma.
+void PictureEncoder::compare_luma(const Block& block) {
+    slots_.resize(kept_of_luma + 1);
+    of_luma_.clear();
+    std::size_t free_slot = 0;
+    for (int mode = 0; mode < (borders_.empty() ? 1 : border_mode_count); ++mode) {
+        Candidate candidate;
+        candidate.mode = static_cast<BorderMode>(mode);
+        candidate.slot = free_slot;
+        BlockCoefficients& coefficients = slots_[free_slot];
+        find_difference(block, candidate.mode, 0);
+        transform(block, from_border(candidate.mode), 0, coefficients);
+        candidate.luma = search_.estimate(coefficients, 0, 1, 0);
+        candidate.cost = candidate.luma + mode_cost(block, candidate.mode);
+        // Ties go to the first mode, the same on every platform.
+        of_luma_.insert(std::ranges::upper_bound(of_luma_, candidate.cost, {}, &Candidate::cost),
+                        candidate);
+        free_slot = of_luma_.size();
+        if (of_luma_.size() > kept_of_luma) {
+            free_slot = of_luma_.back().slot;
+            of_luma_.pop_back();
+        }
+    }
+}
+
+// Finds the modes in which the block is coded, by estimates.
 void PictureEncoder::find_candidates(const Block& block) {
-    const auto estimate = [&](BorderMode mode, int planes) {
-        search_.transform_block(block, from_border(mode), decoded_, coefficients_, planes);
-        return Candidate{search_.estimate(coefficients_, planes) + mode_cost(block, mode), mode};
-    };
-    const auto sort = [this] {
-        std::ranges::stable_sort(candidates_, {}, &Candidate::cost); // the same on every platform
-    };
+    borders_.clear();
+    if (settings_.pictures.borders && (block.origin[0] > 0 || block.origin[1] > 0))
+        for (int plane = 0; plane < coding_.planes; ++plane)
+            borders_.emplace_back(block, decoded_.shape,
+                                  decoded_.plane[static_cast<std::size_t>(plane)], decoded_.done);
+    compare_luma(block);
     candidates_.clear();
-    const bool has_border =
-        settings_.pictures.borders && (block.origin[0] > 0 || block.origin[1] > 0);
-    for (int mode = 0; mode < (has_border ? border_mode_count : 1); ++mode)
-        candidates_.push_back(estimate(static_cast<BorderMode>(mode), 1));
-    sort();
-    candidates_.resize(std::min(candidates_.size(), kept_of_luma));
-    for (Candidate& candidate : candidates_)
-        candidate = estimate(candidate.mode, coding_.planes);
-    sort();
+    const auto wanted = static_cast<std::size_t>(settings_.pictures.coded_modes);
+    for (Candidate candidate : of_luma_) {
+        // Other planes cost at least 0, and later candidates cost more in luma.
+        if (candidates_.size() == wanted && candidate.cost >= candidates_.back().cost)
+            break;
+        BlockCoefficients& coefficients = slots_[candidate.slot];
+        for (int plane = 1; plane < coding_.planes; ++plane) {
+            find_difference(block, candidate.mode, plane);
+            transform(block, from_border(candidate.mode), plane, coefficients);
+        }
+        candidate.estimate = search_.estimate(coefficients, 1, coding_.planes, candidate.luma);
+        candidate.cost = candidate.estimate + mode_cost(block, candidate.mode);
+        candidates_.insert(
+            std::ranges::upper_bound(candidates_, candidate.cost, {}, &Candidate::cost), candidate);
+        if (candidates_.size() > wanted)
+            candidates_.pop_back();
+    }
 }
 
 // Goes to where the block is the next one to be decoded, with this memory.

@@ -2,6 +2,7 @@
 // texels beside them, so every way to split it is coded in full, block after block.
 #pragma once
 
+#include "codec/reconstruct/border_prediction.h"
 #include "codec/reconstruct/reconstruct.h"
 #include "codec/tile_encoder/bit_costs.h"
 #include "codec/tile_encoder/block_encoder.h"
@@ -38,11 +39,24 @@ private:
     // How a node may be split further: halves of halves are quarters, which stay whole.
     enum class Freedom { none, one_side, all };
 
-    Node encode_node(const Block& block, Freedom freedom);
+    Node encode_node(const Block& block, Freedom freedom, float limit);
     Node encode_whole(const Block& block);
-    void offer(const Block& block, const BlockPrediction& prediction, Node& best);
+    void offer(const Block& block, const BlockPrediction& prediction,
+               const BlockEncoder::KnownBlock& known, Node& best);
     Node encode_parts(const Block& block, Split split, Freedom freedom, float limit);
+    // A border mode of a block, with its coefficients in a slot of memory.
+    struct Candidate {
+        BorderMode mode = mode_none;
+        std::size_t slot = 0;
+        float luma = 0;     // estimated cost of the first plane,
+        float estimate = 0; // ... of all planes,
+        float cost = 0;     // ... and of the mode as well, as far as the planes are known
+    };
     void find_candidates(const Block& block);
+    void compare_luma(const Block& block);
+    void find_difference(const Block& block, BorderMode mode, int plane);
+    void transform(const Block& block, const BlockPrediction& prediction, int plane,
+                   BlockCoefficients& out);
     float bits_cost(float bits) const { return settings_.quantizer.lambda * bits; }
     float mode_cost(const Block& block, BorderMode mode) const {
         return bits_cost(costs_.mode[modes_.context(block)][modes_.symbol(block, mode)]);
@@ -62,11 +76,12 @@ private:
     ReconstructScratch& scratch_;
     TilePlanes& decoded_;
     ModeMemory modes_;
-    struct Candidate {
-        float cost;
-        BorderMode mode;
-    };
-    std::vector<Candidate> candidates_; // of a block, cheapest first
+    // Of a block, cheapest first: those compared in luma, and those that are coded.
+    std::vector<Candidate> of_luma_, candidates_;
+    std::vector<BlockCoefficients> slots_;
+    std::vector<BlockBorder> borders_; // of a block's planes; empty at the picture's corner
+    std::vector<std::int32_t> predicted_;
+    std::array<std::vector<float>, max_planes> difference_; // from one prediction
     BlockCoefficients coefficients_;
     TileLevels trial_;
 };

@@ -76,6 +76,18 @@ void SourceTile::difference(const Block& block, const BlockPrediction& predictio
         }
 }
 
+void SourceTile::subtract(const Block& block, int plane, const std::int32_t* predicted,
+                          float* to) const {
+    const int nu = block.shape.n[0], nv = block.shape.n[1];
+    const float* from =
+        planes_[plane].data() + plane_index(shape_, block.origin[0], block.origin[1], 0, 0);
+    if (predicted != nullptr)
+        search_kernels().subtract_predicted(from, shape_.n[0], predicted, codes_, nv, nu, to);
+    else
+        for (int v = 0; v < nv; ++v)
+            std::copy_n(from + v * shape_.n[0], nu, to + v * nu);
+}
+
 void SourceTile::transform(const Block& block, const BlockPrediction& prediction,
                            const TilePlanes& reconstructed, BlockCoefficients& out, int planes) {
     out.shape = block.shape;
@@ -83,23 +95,34 @@ void SourceTile::transform(const Block& block, const BlockPrediction& prediction
     out.is_predicted = prediction.is_predicted();
     const auto texels = static_cast<std::size_t>(block.shape.texels());
     const SineAxes sines = sine_axes(prediction.transform, block.shape);
+    difference_.resize(std::max(difference_.size(), texels));
     for (int p = 0; p < planes; ++p) {
-        std::vector<float>& x = out.plane[p];
-        // Both buffers only grow, because they are swapped below and growing clears memory.
-        x.resize(std::max(x.size(), texels));
-        scratch_.resize(std::max(scratch_.size(), texels));
-        difference(block, prediction, p, reconstructed, x.data());
-        out.is_blank[p] = is_blank(x.data(), texels);
-        for (int axis = out.is_blank[p] ? -1 : 3; axis >= 0; --axis) {
-            if (block.shape.n[axis] == 1)
-                continue;
-            if ((axis == 0 && sines.u) || (axis == 1 && sines.v))
-                forward_sine_axis(x.data(), scratch_.data(), block.shape, axis);
-            else
-                forward_axis(x.data(), scratch_.data(), block.shape, axis);
-            x.swap(scratch_);
-        }
+        difference(block, prediction, p, reconstructed, difference_.data());
+        out.is_blank[p] = transform_plane(block.shape, sines, difference_.data(), out.plane[p]);
     }
+}
+
+bool SourceTile::transform_plane(const BlockShape& shape, SineAxes sines, const float* difference,
+                                 std::vector<float>& out) {
+    const auto texels = static_cast<std::size_t>(shape.texels());
+    // Both buffers only grow, because they are swapped below and growing clears memory.
+    out.resize(std::max(out.size(), texels));
+    scratch_.resize(std::max(scratch_.size(), texels));
+    const bool blank = is_blank(difference, texels);
+    const float* from = difference;
+    for (int axis = blank ? -1 : 3; axis >= 0; --axis) {
+        if (shape.n[axis] == 1)
+            continue;
+        if ((axis == 0 && sines.u) || (axis == 1 && sines.v))
+            forward_sine_axis(from, scratch_.data(), shape, axis);
+        else
+            forward_axis(from, scratch_.data(), shape, axis);
+        out.swap(scratch_);
+        from = out.data();
+    }
+    if (from == difference)
+        std::copy_n(difference, texels, out.data());
+    return blank;
 }
 
 } // namespace tessera

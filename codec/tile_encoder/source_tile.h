@@ -4,6 +4,7 @@
 #include "codec/tile/tile_coding.h"
 #include "codec/tile/tile_planes.h"
 #include "codec/tile_encoder/block_quantizer.h"
+#include "format/tile/block_transform.h"
 #include "format/tile/prediction.h"
 
 #include <array>
@@ -38,6 +39,13 @@ public:
     void transform(const Block& block, const BlockPrediction& prediction,
                    const TilePlanes& reconstructed, BlockCoefficients& out, int planes);
 
+    // Writes one plane of a block of a picture, less `predicted` unless that is null, row by row.
+    void subtract(const Block& block, int plane, const std::int32_t* predicted, float* to) const;
+    // The coefficients of such a difference, which must not be in `out`. Returns whether they are
+    // all 0.
+    bool transform_plane(const BlockShape& shape, SineAxes sines, const float* difference,
+                         std::vector<float>& out);
+
 private:
     const TileCoding* coding_;
     float codes_;
@@ -46,7 +54,7 @@ private:
     BlockShape zero_shape_; // of the tile that zero_squares_ describes; one texel has no squares
     std::vector<std::uint8_t> zero_squares_; // Ycocg8Planes::is_zero of planes_
     std::vector<std::int32_t> predicted_;
-    std::vector<float> scratch_;
+    std::vector<float> difference_, scratch_;
 };
 
 } // namespace tessera

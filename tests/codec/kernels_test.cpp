@@ -445,6 +445,37 @@ std::int64_t six_taps(const std::vector<std::int32_t>& from, int at, int step, i
     return sum;
 }
 
+// Continues texel by texel.
+TEST(KernelPaths, ContinuedBordersAreCorrect) {
+    Random random(22);
+    for (int n = 1; n <= max_block_side; n = n < 20 ? n + 1 : n + 11)
+        for (int depth = 1; depth <= max_block_side; depth = depth < 20 ? depth + 1 : depth + 11)
+            for (const int slope : {-32, -26, -13, -2, 0, 5, 17, 32}) {
+                // A buffer of the exact size lets the address sanitizer detect reads past the end.
+                const auto border =
+                    random_values(random, 2 * depth + n + 2 + read_behind_border, 1 << 18);
+                const std::int32_t* const line = border.data() + depth;
+                std::vector<std::int32_t> top(static_cast<std::size_t>(n * depth)), left = top;
+                for (int y = 0; y < depth; ++y)
+                    for (int x = 0; x < n; ++x) {
+                        const int at = (x + 1) * 32 + (y + 1) * slope;
+                        const std::int32_t* const from = line + (at >> 5);
+                        const int part = at & 31;
+                        const std::int32_t value =
+                            (from[0] * (32 - part) + from[1] * part + 16) >> 5;
+                        top[static_cast<std::size_t>(y * n + x)] = value;
+                        left[static_cast<std::size_t>(x * depth + y)] = value;
+                    }
+                for (const Kernels* path : all_paths()) {
+                    std::vector<std::int32_t> got(top.size());
+                    path->continue_top({line, slope, n, depth}, got.data());
+                    ASSERT_EQ(got, top) << path->name << " " << n << "x" << depth << " " << slope;
+                    path->continue_left({line, slope, n, depth}, got.data());
+                    ASSERT_EQ(got, left) << path->name << " " << n << "x" << depth << " " << slope;
+                }
+            }
+}
+
 TEST(KernelPaths, FilteredBasePicturesAreCorrect) {
     Random random(21);
     for (int phase = 0; phase < base_unit; ++phase)

@@ -291,6 +291,31 @@ TEST_F(SearchPaths, ForwardViewsAreEqualAndCorrect) {
             }
 }
 
+TEST_F(SearchPaths, ErrorsOfQuadsAreEqualAndCorrect) {
+    Random random(24);
+    for (int count = 1; count <= 21; ++count) {
+        const auto n = static_cast<std::size_t>(4 * count);
+        std::vector<float> x(n), a(static_cast<std::size_t>(count), 3.5f), b = a;
+        std::vector<std::int32_t> predicted(n);
+        for (std::size_t i = 0; i < n; ++i) {
+            x[i] = static_cast<float>(random.range(-4000, 4000)) / 16;
+            predicted[i] = random.range(-4000, 4000);
+        }
+        search_kernels_scalar.add_quad_errors(x.data(), predicted.data(), 1.0f / 16, count,
+                                              a.data());
+        search_kernels_avx2.add_quad_errors(x.data(), predicted.data(), 1.0f / 16, count, b.data());
+        ASSERT_EQ(a, b) << count;
+        for (std::size_t run = 0; run < a.size(); ++run) {
+            float sum = 0;
+            for (std::size_t i = 4 * run; i < 4 * run + 4; ++i) {
+                const float error = x[i] - static_cast<float>(predicted[i]) / 16;
+                sum += error * error;
+            }
+            ASSERT_EQ(a[run], 3.5f + sum) << count;
+        }
+    }
+}
+
 TEST_F(SearchPaths, LoadedColoursMatchTheDecoderKernel) {
     Random random(32);
     const std::int32_t background[3] = {100, -3, 17};

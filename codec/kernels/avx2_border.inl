@@ -1,0 +1,57 @@
+// Included by kernels_avx2.cpp. Prediction of blocks of pictures from their border.
+
+namespace tessera {
+namespace {
+
+// Texels x .. x + 7 of row y.
+inline __m256i continued_avx2(const BorderLine& from, int y, int x) {
+    const int at = (y + 1) * from.slope, part = at & 31;
+    const auto* const first = reinterpret_cast<const __m256i_u*>(from.line + (at >> 5) + 1 + x);
+    const auto* const second = reinterpret_cast<const __m256i_u*>(from.line + (at >> 5) + 2 + x);
+    const __m256i a = _mm256_loadu_si256(first), b = _mm256_loadu_si256(second);
+    const __m256i moved = _mm256_mullo_epi32(_mm256_sub_epi32(b, a), _mm256_set1_epi32(part));
+    return _mm256_srai_epi32(
+        _mm256_add_epi32(_mm256_add_epi32(_mm256_slli_epi32(a, 5), moved), _mm256_set1_epi32(16)),
+        5);
+}
+
+// Stores the first `count` lanes, at most 8.
+inline void store_lanes(std::int32_t* to, __m256i x, int count) {
+    if (count >= 8) {
+        _mm256_storeu_si256(reinterpret_cast<__m256i_u*>(to), x);
+        return;
+    }
+    __m128i half = _mm256_castsi256_si128(x);
+    if (count >= 4) {
+        _mm_storeu_si128(reinterpret_cast<__m128i_u*>(to), half);
+        half = _mm256_extracti128_si256(x, 1);
+        to += 4;
+        count -= 4;
+    }
+    std::int32_t each[4];
+    _mm_storeu_si128(reinterpret_cast<__m128i_u*>(each), half);
+    for (int i = 0; i < count; ++i)
+        to[i] = each[i];
+}
+
+void continue_top_avx2(const BorderLine& from, std::int32_t* out) {
+    for (int y = 0; y < from.depth; ++y, out += from.n)
+        for (int x = 0; x < from.n; x += 8)
+            store_lanes(out + x, continued_avx2(from, y, x), from.n - x);
+}
+
+void continue_left_avx2(const BorderLine& from, std::int32_t* out) {
+    for (int x = 0; x < from.n; x += 8)
+        for (int y = 0; y < from.depth; y += 8) {
+            __m256i square[8];
+            for (int i = 0; i < 8; ++i)
+                square[i] =
+                    y + i < from.depth ? continued_avx2(from, y + i, x) : _mm256_setzero_si256();
+            transpose(square);
+            for (int i = 0; i < 8 && x + i < from.n; ++i)
+                store_lanes(out + (x + i) * from.depth + y, square[i], from.depth - y);
+        }
+}
+
+} // namespace
+} // namespace tessera
