@@ -4,7 +4,7 @@
     lay_wheel.py ROOT LIBRARY OUT
 
 Writes OUT/tessera-VERSION-py3-none-PLATFORM.whl with the package ROOT/python/tessera, the library
-and what ROOT/pyproject.toml says, and unpacks it to OUT/site.
+and what ROOT/pyproject.toml says, and unpacks it to OUT/site. Needs Python 3.11.
 """
 import base64
 import hashlib
@@ -47,7 +47,8 @@ def lay(root, library, out):
              if path.suffix == ".py" or path.name == "py.typed"}
     files[f"tessera/{library.name}"] = library.read_bytes()
     info = f"{name}.dist-info"
-    files[f"{info}/METADATA"] = metadata_of(project, (root / project["readme"]).read_text()).encode()
+    readme = (root / project["readme"]).read_text()
+    files[f"{info}/METADATA"] = metadata_of(project, readme).encode()
     files[f"{info}/WHEEL"] = (f"Wheel-Version: 1.0\nGenerator: tessera\nRoot-Is-Purelib: false\n"
                               f"Tag: {tag}\n").encode()
     files[f"{info}/entry_points.txt"] = entry_points_of(project).encode()

@@ -56,7 +56,7 @@ class TexelArray:
         """
         begin, end = [operator.index(i) for i in begin], [operator.index(i) for i in end]
         if len(begin) != 4 or len(end) != 4:
-            raise ValueError("a box has four numbers for its begin and four for its end: u, v, s, t")
+            raise ValueError("a box begins and ends with four numbers each: u, v, s, t")
         for axis, low, high, side in zip(AXES, begin, end, self.size):
             if not 0 <= low < high <= side:
                 raise ValueError(f"the box from {low} to {high} along {axis} is empty or not "
@@ -151,7 +151,7 @@ class TexelArray:
         return tiles.index(most) if most > 0 else None
 
     def _split(self, r: range, axis: int) -> int:
-        """How many of the coordinates come before the tile's edge nearest to the middle; 0: none."""
+        """How many coordinates come before a tile's edge near the middle; 0: there is no edge."""
         side = self.size[axis]
         count = -(-side // self.chunks[axis])  # tile i of n begins at i * side // n
         tile = ((r[len(r) // 2] + 1) * count - 1) // side
@@ -163,6 +163,6 @@ class TexelArray:
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
         if copy is False:
-            raise ValueError("the texels have to be decoded, so an array without a copy is impossible")
+            raise ValueError("texels have to be decoded, so they cannot be had without a copy")
         texels = self[...]
         return texels if dtype is None else texels.astype(dtype, copy=False)

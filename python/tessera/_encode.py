@@ -43,12 +43,12 @@ def encode(array: Any, path: Union[str, "os.PathLike[str]", BinaryIO], *,
            progress: Optional[Progress] = None) -> EncodeReport:
     """Encodes a texture to a .tess file.
 
-    array          texels of shape (u, v, s, t) for one channel, or (u, v, s, t, channels) for 1 grey,
-                   2 grey + alpha, 3 RGB, 4 RGB + alpha; uint8 or float16. Any strides and byte order
-                   work. An array in the library's own order, v, u, t, s, channels, is not copied;
-                   of others, one tile at a time is. Other objects with shape, dtype and slices, such
-                   as zarr and HDF5 arrays, numpy.memmap and tessera.Texture, are read tile by tile
-                   and several times; anything else goes through numpy.asarray.
+    array          texels of shape (u, v, s, t) for one channel, or (u, v, s, t, channels) for
+                   1 grey, 2 grey + alpha, 3 RGB, 4 RGB + alpha; uint8 or float16, of any strides
+                   and byte order. An array in the library's own order, v, u, t, s, channels, is not
+                   copied; of others, one tile at a time is. Other objects with shape, ndim, dtype
+                   and slices, such as zarr and HDF5 arrays and tessera.Texture, are read tile by
+                   tile and several times; anything else goes through numpy.asarray.
     path           the file, which is created or replaced once it is complete, or a binary file
                    object with `write`, which receives the file after everything has been encoded
 
@@ -73,8 +73,7 @@ def encode(array: Any, path: Union[str, "os.PathLike[str]", BinaryIO], *,
                    encoder and continues from here
 
     Errors: ValueError (an argument outside its range), OSError, MemoryError, and what the array or
-    the callbacks raise. After an error no file has been written or replaced, except that an
-    exception of the very last call of `progress` comes too late for that.
+    `progress` raise. After an error no file has been written or replaced.
     """
     rates = {"quality": quality, "psnr": psnr, "bits_per_texel": bits_per_texel, "bytes": bytes,
              "max_error": max_error}
@@ -132,7 +131,7 @@ class _Encoding:
         u, v, s, t, *channels = array.shape
         for side in array.shape:
             if not 0 < side <= 1 << 20:
-                raise ValueError(f"an axis of the array has {side} elements; 1 to 2**20 are allowed")
+                raise ValueError(f"an axis of the array has {side} elements, outside 1 to 2**20")
         source = lib.TexelSource(texture=lib.Texture(
             lib.Extent(u, v, s, t), int(dtype != np.uint8), channels[0] if channels else 1))
         if isinstance(array, np.ndarray):
@@ -152,7 +151,8 @@ class _Encoding:
         if lossless:
             given, rates = ["max_error"], {"max_error": 0}
         for name in given:
-            self._options.rate_kind, self._options.rate_value = RATES.index(name), float(rates[name])
+            self._options.rate_kind = RATES.index(name)
+            self._options.rate_value = float(rates[name])
 
     def set_rest(self, tile: Optional[Sequence[int]], description: Optional[Description], mesh: Any,
                  metadata: Optional[Mapping[str, str]], progress: Optional[Progress]) -> None:

@@ -87,9 +87,10 @@ class Tessera(Codec):
         if texels.ndim == 4 and self._has_channel_axis():
             texels = texels[..., None]
         chunk = np.ascontiguousarray(texels.transpose(np.argsort(self._axes_of(texels.ndim))))
-        if out is not None and ensure_contiguous_ndarray(out).nbytes != chunk.nbytes:
-            raise ValueError(f"the buffer for the chunk has {ensure_contiguous_ndarray(out).nbytes} "
-                             f"bytes; the chunk has {chunk.nbytes}")
+        room = chunk.nbytes if out is None else ensure_contiguous_ndarray(out).nbytes
+        if room != chunk.nbytes:
+            raise ValueError(f"the buffer for the chunk has {room} bytes; the chunk has "
+                             f"{chunk.nbytes}")
         return ndarray_copy(chunk, out)
 
     def _has_channel_axis(self) -> bool:

@@ -157,7 +157,8 @@ def test_refuses_arrays(array, part, tmp_path):
 @pytest.mark.parametrize("options, part", [
     ({"psnr": 40, "quality": 50}, "quality and psnr exclude each other"),
     ({"bytes": 9, "lossless": True}, "bytes and lossless exclude"), ({"psnr": 121}, "120"),
-    ({"quality": 0}, "100"), ({"quality": float("nan")}, "not a number"), ({"bytes": 10}, "10 bytes"),
+    ({"quality": 0}, "100"), ({"quality": float("nan")}, "not a number"),
+    ({"bytes": 10}, "10 bytes"),
     ({"effort": 5}, "effort"), ({"effort": -1}, "effort is -1"), ({"effort": 2.5}, "effort is 2.5"),
     ({"effort": 1 << 32}, "effort"), ({"tile": (8, 8)}, "four numbers"),
     ({"tile": (1000, 8, 8, 8)}, "tile sides"), ({"metadata": {"a\0b": "c"}}, "NUL"),
@@ -194,19 +195,22 @@ def test_progress(texels, tmp_path):
         assert thread == threading.get_ident()
 
 
-@pytest.mark.parametrize("count", [1, 5])
-def test_exceptions_of_progress(count, texels, tmp_path):
+@pytest.mark.parametrize("place", [0, 5, -1])
+def test_exceptions_of_progress(place, texels, tmp_path):
     path = tmp_path / "a.tess"
-    path.write_bytes(b"old")
+    options = dict(lossless=True, effort=0, tile=(8, 8, 4, 4), threads=1)
     calls = []
+    tessera.encode(texels, path, progress=lambda *_: calls.append(None), **options)
+    failing, seen = range(len(calls))[place], []
+    path.write_bytes(b"old")
 
     def progress(stage, done, total):
-        calls.append(done)
-        if len(calls) == count:
+        seen.append(None)
+        if len(seen) == failing + 1:
             raise ZeroDivisionError("mine")
 
     with pytest.raises(ZeroDivisionError, match="mine"):
-        tessera.encode(texels, path, lossless=True, effort=0, tile=(8, 8, 4, 4), progress=progress)
+        tessera.encode(texels, path, progress=progress, **options)
     assert path.read_bytes() == b"old" and len(list(tmp_path.iterdir())) == 1
     assert threading.Thread(target=lambda: None).start() is None  # the lock is not lost
     assert np.array_equal(decoded(lossless(texels)), texels)

@@ -31,7 +31,8 @@ def test_zarr_lossless(texels, tmp_path):
 
 def test_zarr_of_pictures(texels):
     pictures = np.ascontiguousarray(texels.transpose(3, 2, 1, 0, 4))
-    array = zarr.array(pictures, chunks=(5, 6, 16, 16, 3), compressor=Tessera(axes="tsvuc", effort=0))
+    array = zarr.array(pictures, chunks=(5, 6, 16, 16, 3),
+                       compressor=Tessera(axes="tsvuc", effort=0))
     assert np.array_equal(array[...], pictures)
 
 
