@@ -1,12 +1,15 @@
 """Where the bytes of a .tess file come from: file objects and web servers."""
 from __future__ import annotations
 
+import base64
 import bisect
 import concurrent.futures
 import ctypes as c
+import http.client
 import re
 import threading
 import urllib.error
+import urllib.parse
 import urllib.request
 from typing import Any, BinaryIO, List, Sequence, Tuple
 
@@ -46,18 +49,26 @@ class WebFile:
     """A file on an HTTP or HTTPS server that answers range requests.
 
     All responses must be of the version that was there at opening: the size, the ETag and the
-    time of the last modification must be the same.
+    time of the last modification must be the same. User and password in the URL are sent to its
+    host only, not where it redirects, and are left out of messages.
     """
 
     def __init__(self, url: str, timeout: float) -> None:
-        self.name, self._url, self._timeout = re.sub(r"//[^/@]*@", "//", url), url, timeout
+        parts = urllib.parse.urlsplit(url)
+        self.name = parts._replace(netloc=parts.netloc.rpartition("@")[2]).geturl()
+        self._timeout, self._login = timeout, ""
+        if parts.username is not None:
+            login = f"{parts.username}:{parts.password or ''}"
+            self._login = "Basic " + base64.b64encode(urllib.parse.unquote_to_bytes(login)).decode()
         self._start, self._version = self._get(0, FIRST_BYTES)
         self.size = self._version[0]
 
     def _get(self, offset: int, count: int) -> Tuple[bytes, Tuple[int, str, str]]:
         """Returns bytes of the file and its version; fewer than `count` bytes only at its end."""
         request = urllib.request.Request(
-            self._url, headers={"Range": f"bytes={offset}-{offset + count - 1}"})
+            self.name, headers={"Range": f"bytes={offset}-{offset + count - 1}"})
+        if self._login:
+            request.add_unredirected_header("Authorization", self._login)
         try:
             with urllib.request.urlopen(request, timeout=self._timeout) as response:
                 place = re.fullmatch(r"bytes (\d+)-(\d+)/(\d+)",
@@ -76,6 +87,8 @@ class WebFile:
             raise OSError(f"{self.name}: the server answers {error.code} {error.reason}") from None
         except urllib.error.URLError as error:
             raise OSError(f"{self.name}: {error.reason}") from None
+        except http.client.HTTPException as error:
+            raise OSError(f"{self.name}: the server's answer is not HTTP: {error!r}") from None
         except TimeoutError:
             raise OSError(f"{self.name}: no answer within {self._timeout} seconds") from None
 

@@ -160,19 +160,23 @@ def test_pickles(tiled_file, texels):
 
 
 class Server(http.server.BaseHTTPRequestHandler):
-    data, tag, status, requests = b"", '"1"', 206, 0
+    data, tag, status, requests, missing, is_garbage = b"", '"1"', 206, 0, 0, False
 
     def do_GET(self):
         cls = type(self)
         cls.requests += 1
+        cls.login = self.headers["Authorization"]
         begin, end = map(int, self.headers["Range"].partition("=")[2].split("-"))
         end = min(end + 1, len(cls.data))
+        if cls.is_garbage:
+            self.wfile.write(b"nonsense\r\n\r\n")
+            return
         self.send_response(cls.status)
         self.send_header("Content-Range", f"bytes {begin}-{end - 1}/{len(cls.data)}")
         self.send_header("ETag", cls.tag)
         self.send_header("Content-Length", str(end - begin))
         self.end_headers()
-        self.wfile.write(cls.data[begin:end])
+        self.wfile.write(cls.data[begin:end - cls.missing])
 
     def log_message(self, *_):
         pass
@@ -201,6 +205,17 @@ def test_urls(noise_bytes, noise):
         assert handler.requests < 20  # near tiles are merged
 
 
+def test_logins_of_urls():
+    data = (GOLDEN / "rgb8.tess").read_bytes()
+    with serve(data=data) as (url, handler):
+        for login, sent in (("", None), ("me:a%40b@", "Basic bWU6YUBi")):
+            with tessera.open(url.replace("//", "//" + login)) as texture:
+                assert handler.login == sent and "a%40b" not in repr(texture)
+    with pytest.raises(OSError) as raised:
+        tessera.open("http://me:secret@127.0.0.1:1/a.tess", timeout=5)
+    assert "secret" not in str(raised.value) and "127.0.0.1:1" in str(raised.value)
+
+
 def test_urls_of_files_that_change(noise_bytes):
     with serve(data=noise_bytes) as (url, handler), tessera.open(url) as texture:
         handler.tag = '"2"'
@@ -213,6 +228,10 @@ def test_urls_that_fail():
     with serve(data=data, status=200) as (url, _), pytest.raises(OSError, match="range requests"):
         tessera.open(url)
     with serve(data=data, status=404) as (url, _), pytest.raises(OSError, match="404"):
+        tessera.open(url)
+    with serve(data=data, missing=7) as (url, _), pytest.raises(OSError, match="other bytes"):
+        tessera.open(url)
+    with serve(data=data, is_garbage=True) as (url, _), pytest.raises(OSError, match="not HTTP"):
         tessera.open(url)
     with pytest.raises(OSError, match="127.0.0.1:1/"):
         tessera.open("http://127.0.0.1:1/a.tess", timeout=5)
