@@ -10,7 +10,8 @@
  * function throws or ends the process.
  *
  * Threads. Functions may be called from any thread. Several threads may use a decoder at once,
- * except for tessera_close. Each thread has its own last error.
+ * except for tessera_close. Each thread has its own last error. A call needs less than 128 KiB of
+ * the stack of its thread.
  *
  * Ownership. The caller keeps what it passes and must not free it before the function returns (the
  * bytes or source that a decoder reads: before tessera_close). Strings are UTF-8 and end with a
