@@ -10,7 +10,8 @@
  * function throws or ends the process.
  *
  * Threads. Functions may be called from any thread. Several threads may use a decoder at once,
- * except for tessera_close. Each thread has its own last error.
+ * except for tessera_close. Each thread has its own last error. A call needs less than 128 KiB of
+ * the stack of its thread.
  *
  * Ownership. The caller keeps what it passes and must not free it before the function returns (the
  * bytes or source that a decoder reads: before tessera_close). Strings are UTF-8 and end with a
@@ -215,7 +216,7 @@ typedef struct {
     int32_t rate_kind; /* tessera_rate; default TESSERA_QUALITY */
     int32_t effort;    /* 0 fastest .. 4 smallest; default 3 */
     uint32_t threads;  /* 0 (default): all cores. Does not change the bytes of the file. */
-    /* Largest tile in texels along u, v, s, t: 1 to 64, 64, 32, 32, with a product of at most
+    /* Largest tile in texels along u, v, s, t: 1 to 256, 256, 32, 32, with a product of at most
      * 393,216 (65,536 with TESSERA_MAX_ERROR). All 0 (default): the encoder chooses by trial. */
     uint32_t tile[4];
     int32_t verify; /* 1 (default): decode and compare every tile before keeping it */

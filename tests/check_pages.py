@@ -20,7 +20,7 @@ import re
 import sys
 
 MOST_LINE, MOST_PROSE = 400, 110
-FOLDERS = ("format", "codec", "decoder_glsl", "corpus", "tools", "tests")
+FOLDERS = ("format", "codec", "decoder_glsl", "corpus", "tools", "python", "tests")
 SLASH_COMMENTS = (".h", ".cpp", ".c", ".inl", ".inc", ".glsl", ".comp", ".frag", ".vert", ".js", ".mjs", ".ts")
 HASH_COMMENTS = (".py", ".sh", ".cmake", "CMakeLists.txt")
 SPECIFICATION = "format/FORMAT.md"

@@ -35,6 +35,8 @@ install_browser() {
         say "No Chromium could be installed: web_viewer is skipped"
 }
 
+# For the tests of the Python package.
+PACKAGES="$PACKAGES python3-numpy python3-pytest python3-pil python3-zarr"
 install_missing
 [ -n "$kind" ] || install_browser
 if [ -n "$kind" ]; then

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <optional>
 
@@ -328,12 +329,12 @@ std::uint64_t CoarseLevel::payload_bytes() const {
 
 Result<std::vector<CoarseLevel>> make_coarse_levels(const EncodePlan& plan,
                                                     const PassResult& pass) {
-    LevelChooser chooser(plan, pass);
+    const auto chooser = std::make_unique<LevelChooser>(plan, pass); // with tables: large
     std::vector<CoarseLevel> levels;
     LevelEntry finer{plan.grid.size(), 0, 0, 0};
     for (const double share : level_share) {
         TESSERA_TRY_ASSIGN(auto level,
-                           chooser.next(finer, share * static_cast<double>(pass.payload_bytes())));
+                           chooser->next(finer, share * static_cast<double>(pass.payload_bytes())));
         if (!level)
             continue;
         finer = level->entry;

@@ -22,7 +22,11 @@ int round_up_coded_length(int length, int limit);
 
 // How often the decision of each parameter was to stop and to go on. Adds up across tiles.
 struct Statistics {
-    std::array<std::uint64_t, parameter_count> stops{}, goes{};
+    Statistics() {} // not an aggregate, see CodingParameters
+
+    // On the heap, because results of functions hold them and a caller's stack may be small.
+    std::vector<std::uint64_t> stops = std::vector<std::uint64_t>(parameter_count);
+    std::vector<std::uint64_t> goes = std::vector<std::uint64_t>(parameter_count);
 
     void add(const Statistics& other);
     void decide(int parameter, bool go) {

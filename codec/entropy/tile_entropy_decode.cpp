@@ -4,6 +4,7 @@
 #include "format/tile/split_tree.h"
 
 #include <algorithm>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -185,7 +186,7 @@ private:
                              : dependent ? &LevelDecoder::decode_coefficients<true, 1>
                                         : &LevelDecoder::decode_coefficients<false, 1>;
         const bool is_well = (this->*decode)(length, copies, order);
-        const auto found = std::span(found_).first(count_);
+        const auto found = std::span(found_.get(), count_);
         grid_.undo(order, length, found, for_each_before);
         out_.nonzeros.insert(out_.nonzeros.end(), found.begin(), found.end());
         levels.count = static_cast<std::uint16_t>(count_);
@@ -244,7 +245,9 @@ private:
     ContextGrid& grid_;
     TileLevels& out_;
     RansDecoder rans_;
-    std::array<NonZero, max_coded_length> found_; // the first count_ are those of the current plane
+    // max_coded_length entries, of which the first count_ are those of the current plane.
+    const std::unique_ptr<NonZero[]> found_ =
+        std::make_unique_for_overwrite<NonZero[]>(max_coded_length);
     std::size_t count_ = 0;
     RecentShapes shapes_;
     ColourMemory last_colour_;

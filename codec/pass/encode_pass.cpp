@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 namespace tessera {
@@ -71,7 +72,8 @@ double lagrangian_cost(const EncodePlan& plan, const PassResult& pass) {
 
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
                             unsigned number, const char* stage) {
-    TileCrew crew(plan, parameters, false);
+    const auto on_heap = std::make_unique<TileCrew>(plan, parameters, false);
+    TileCrew& crew = *on_heap;
     std::vector<CodedTile> tiles(plan.grid.tiles());
     std::shared_ptr<TileStore> payloads;
     const JournalTiles* journaled = nullptr;

@@ -4,6 +4,7 @@
 #include "codec/pass/tile_figures.h"
 #include "format/work.h"
 
+#include <memory>
 #include <utility>
 
 namespace tessera {
@@ -16,15 +17,19 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
         TESSERA_TRY_ASSIGN(payloads, plan.journal->scratch(pass.tiles.size()));
     }
     const TextureDesc& desc = plan.colour.desc;
-    const TileCoding before(pass.parameters, desc.type, desc.channels),
-        after(fitted, desc.type, desc.channels);
+    // On the heap, because tables are large and the caller's stack may be small.
+    const auto before = std::make_unique<TileCoding>(pass.parameters, desc.type, desc.channels);
+    const auto after = std::make_unique<TileCoding>(fitted, desc.type, desc.channels);
     struct Recoder {
+        Recoder(const TileCoding& of_from, const TileCoding& of_check, const ColourCoding& colour)
+            : from(of_from, colour), check(of_check, colour) {}
         TileDecoder from, check;
         std::vector<std::byte> payload = {};
     };
     std::vector<Recoder> workers;
+    workers.reserve(thread_count(plan.options.threads));
     for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
-        workers.push_back({TileDecoder(before, plan.colour), TileDecoder(after, plan.colour)});
+        workers.emplace_back(*before, *after, plan.colour);
     TESSERA_TRY(parallel_for(
         workers, pass.tiles.size(),
         [&](Recoder& worker, std::size_t i) -> Status {
@@ -36,7 +41,7 @@ Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
             if (worker.from.is_stored())
                 return payloads->put(i, tile, worker.payload);
             worker.payload.clear();
-            encode_payload(worker.from.levels(), worker.from.corrections(), after, worker.payload);
+            encode_payload(worker.from.levels(), worker.from.corrections(), *after, worker.payload);
             const bool is_stored = worker.payload.size() >= desc.box_bytes(box);
             if (is_stored) {
                 worker.payload.resize(desc.box_bytes(box));

@@ -3,6 +3,9 @@
 #include "codec/pass/tile_crew.h"
 #include "format/work.h"
 
+#include <memory>
+#include <utility>
+
 namespace tessera {
 namespace {
 
@@ -32,7 +35,8 @@ TileLevels tree_of(const TileLevels& levels, std::size_t planes) {
 
 Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& parameters,
                             const Sample& sample, FilterStatistics* filter) {
-    TileCrew crew(plan, parameters, true);
+    const auto on_heap = std::make_unique<TileCrew>(plan, parameters, true);
+    TileCrew& crew = *on_heap;
     std::vector<CodedTile> tiles(sample.boxes.size());
     // Summed in the order of the tiles, so that the threads do not affect the sum.
     std::vector<FilterStatistics> statistics(filter != nullptr ? tiles.size() : 0);
@@ -52,7 +56,8 @@ Result<PassResult> run_pass(const EncodePlan& plan, const CodingParameters& para
 
 Result<PassResult> run_pass_as(const EncodePlan& plan, const CodingParameters& parameters,
                                const Sample& sample, std::span<const TileLevels> trees) {
-    TileCrew crew(plan, parameters, true);
+    const auto on_heap = std::make_unique<TileCrew>(plan, parameters, true);
+    TileCrew& crew = *on_heap;
     std::vector<CodedTile> tiles(sample.boxes.size());
     TESSERA_TRY(for_each_tile(crew, sample, [&](TileWorker& worker, std::size_t i) {
         return crew.encode_as(worker, sample.boxes[i], sample.tiles[i], trees[i], tiles[i]);
@@ -62,7 +67,8 @@ Result<PassResult> run_pass_as(const EncodePlan& plan, const CodingParameters& p
 
 Result<Statistics> count_symbols(const EncodePlan& plan, const CodingParameters& parameters,
                                  const Sample& sample, std::span<const TileLevels> trees) {
-    TileCrew crew(plan, parameters, true);
+    const auto on_heap = std::make_unique<TileCrew>(plan, parameters, true);
+    TileCrew& crew = *on_heap;
     TESSERA_TRY(for_each_tile(crew, sample, [&](TileWorker& worker, std::size_t i) -> Status {
         if (trees.empty())
             worker.encoder.encode(sample.tiles[i], tile_shape(sample.boxes[i]), worker.levels);
@@ -79,7 +85,8 @@ Result<Statistics> count_symbols(const EncodePlan& plan, const CodingParameters&
 
 Result<std::vector<float>>
 estimated_costs(const EncodePlan& plan, const CodingParameters& parameters, const Sample& sample) {
-    TileCrew crew(plan, parameters, true);
+    const auto on_heap = std::make_unique<TileCrew>(plan, parameters, true);
+    TileCrew& crew = *on_heap;
     std::vector<float> costs(sample.boxes.size());
     TESSERA_TRY(for_each_tile(crew, sample, [&](TileWorker& worker, std::size_t i) -> Status {
         costs[i] =

@@ -26,10 +26,10 @@ TileCrew::TileCrew(const EncodePlan& encode_plan, const CodingParameters& parame
     : plan(encode_plan), coding(parameters, plan.colour.desc.type, plan.colour.desc.channels),
       of_sample_(of_sample), costs_(coding.tables),
       careful_(settings_of_edited_tiles(plan.effort)) {
-    for (unsigned i = 0; i < thread_count(plan.options.threads); ++i)
-        workers.push_back({.encoder = TileEncoder(coding, costs_, plan.colour, plan.effort),
-                           .careful = std::nullopt,
-                           .decoder = TileDecoder(coding, plan.colour)});
+    const unsigned threads = thread_count(plan.options.threads);
+    workers.reserve(threads);
+    for (unsigned i = 0; i < threads; ++i)
+        workers.emplace_back(coding, costs_, plan);
 }
 
 Status TileCrew::encode_by(TileEncoder& encoder, TileWorker& worker, const Box4& box,

@@ -18,6 +18,9 @@ namespace tessera {
 
 // What one thread needs to encode tiles and to decode them again.
 struct TileWorker {
+    TileWorker(const TileCoding& coding, const BitCosts& costs, const EncodePlan& plan)
+        : encoder(coding, costs, plan.colour, plan.effort), decoder(coding, plan.colour) {}
+
     TileEncoder encoder;
     std::optional<TileEncoder> careful; // for tiles of which a small part was edited
     TileDecoder decoder;

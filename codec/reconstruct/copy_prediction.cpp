@@ -90,6 +90,8 @@ public:
         const auto rows = std::span(row_).first(block.shape.n[3]);
         first_ = *std::ranges::min_element(rows);
         last_ = *std::ranges::max_element(rows);
+        edge_ = std::make_unique_for_overwrite<std::int32_t[]>((max_block_side + base_taps) *
+                                                               max_base_side);
         filtered_ = std::make_unique_for_overwrite<std::int32_t[]>(
             static_cast<std::size_t>(nu_ * (last_ - first_ + nv_ + taps_around)));
     }
@@ -137,7 +139,7 @@ private:
         const int begin = std::clamp(-v, 0, rows - 1);
         const int end = std::clamp(view_.height - v, begin + 1, rows);
         const Rows from = view_.part(block_.origin[0] + margin_ + (eighths >> 3) - base_taps_before,
-                                     v + begin, nu_ + taps_around, end - begin, edge_.data());
+                                     v + begin, nu_ + taps_around, end - begin, edge_.get());
         std::int32_t* const to = filtered_.get();
         kernels().base_along_u(from.first + base_taps_before, from.stride,
                                eighths & (base_unit - 1), end - begin, nu_, to + begin * nu_);
@@ -164,8 +166,7 @@ private:
     std::array<std::int16_t, max_angular_side> row_{}; // where the copy for each t begins
     std::array<std::uint8_t, max_angular_side> phase_;
     int first_ = 0, last_ = 0; // extremes of row_
-    std::array<std::int32_t, (max_block_side + base_taps) * max_base_side> edge_;
-    std::unique_ptr<std::int32_t[]> filtered_;
+    std::unique_ptr<std::int32_t[]> edge_, filtered_;
 };
 
 // The index of a view in a dense block.

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -165,7 +166,28 @@ constexpr int transform_kinds = 4;     // see BlockTransform in format/tile/bloc
 constexpr int transform_contexts = 12; // four sizes of the block, times three kinds of its mode
 constexpr int parameter_count = transform_offset + transform_contexts * (transform_kinds - 1);
 
-using Parameters = std::array<std::uint8_t, parameter_count>;
+// A value per parameter. They are on the heap, because functions return structures that hold them,
+// and the stack of a caller's thread may be small.
+class Parameters {
+public:
+    using Values = std::array<std::uint8_t, parameter_count>;
+
+    Parameters() : values_(parameter_count) {}
+    explicit Parameters(const Values& values) : values_(values.begin(), values.end()) {}
+
+    std::uint8_t& operator[](std::size_t i) { return values_[i]; }
+    std::uint8_t operator[](std::size_t i) const { return values_[i]; }
+    static constexpr std::size_t size() { return parameter_count; }
+    const std::uint8_t* data() const { return values_.data(); }
+    auto begin() { return values_.begin(); }
+    auto end() { return values_.end(); }
+    auto begin() const { return values_.begin(); }
+    auto end() const { return values_.end(); }
+    bool operator==(const Parameters&) const = default;
+
+private:
+    std::vector<std::uint8_t> values_;
+};
 
 // In these groups, the second half of the parameters is for blocks that copy, in the order of the
 // first half.

@@ -17,6 +17,9 @@
 namespace tessera {
 
 struct CodingParameters {
+    // Not an aggregate: GCC 12 destroys members of a default member twice if a later one throws.
+    CodingParameters() {}
+
     std::array<StepCode, max_planes> step{}; // per plane
     StepCode rotated_step;                   // of planes 0 to 2 of blocks with rotated colour
     bool colour_rotation = false;            // blocks have colour symbols (3 or 4 planes)

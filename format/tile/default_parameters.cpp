@@ -5,12 +5,13 @@
 namespace tessera {
 
 const Parameters& default_parameters(DefaultSet set) {
-    static const Parameters views = {
+    static constexpr Parameters::Values view_values = {
 #include "format/tables/default_parameters.inc"
     };
-    static const Parameters pictures = {
+    static constexpr Parameters::Values picture_values = {
 #include "format/tables/picture_parameters.inc"
     };
+    static const Parameters views(view_values), pictures(picture_values);
     return set == DefaultSet::pictures ? pictures : views;
 }
 

@@ -4,9 +4,9 @@
 #include "tests/support/format_values.h"
 #include "tests/support/random.h"
 
-#include <gtest/gtest.h>
-
+#include <algorithm>
 #include <cmath>
+#include <gtest/gtest.h>
 
 namespace tessera::test {
 namespace {
@@ -52,7 +52,7 @@ TEST(CodeTables, EverySymbolHasAFrequency) {
     ASSERT_NO_FATAL_FAILURE(check_tables(CodeTables(default_parameters())));
     Parameters parameters;
     for (int p = 0; p < parameter_count_of_odds; ++p) {
-        parameters.fill(static_cast<std::uint8_t>(p));
+        std::ranges::fill(parameters, static_cast<std::uint8_t>(p));
         ASSERT_NO_FATAL_FAILURE(check_tables(CodeTables(parameters))) << p;
     }
     Random random(8);
