@@ -1,9 +1,11 @@
 // Pictures as textures, light and views. The first byte selects the reader, the rest is the file: I
-// a texture of a model, L light, P a view, Q a quilt, E a mosaic.
+// a texture of a model, L light, P a view, Q a quilt, E a mosaic, F a
+// film.
 #include "corpus/picture_file.h"
 #include "format/io/bytes.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tools/picture/picture_encoders.h"
+#include "tools/texture_io/film_io.h"
 #include "tools/texture_io/picture_io.h"
 
 #include <ImfRgbaFile.h>
@@ -86,6 +88,17 @@ std::vector<Bytes> foreign_seeds() {
         // TGA: 4x2 pixels with run lengths, in colour and with a palette.
         bytes_of("I\0\0\x0a\0\0\0\0\0\0\0\0\0\4\0\2\0\x20\x28\x83wxyz\3abcdefghijklmnop"sv),
         bytes_of("I\0\1\x09\0\0\2\0\x18\0\0\0\0\4\0\2\0\x08\0abcdef\x86\0\0\1"sv),
+        // Netpbm: text, 16 bits, floats.
+        bytes_of("PP3 2 1 255\n1 2 3 40 50 60\n"sv), bytes_of("PP5 2 2 1023\n\0\1\2\3\1\1\2\2"sv),
+        bytes_of("PPF 1 1 -1\n\0\0\x80\x3f\0\0\0\x40\0\0\x80\x40"sv),
+        bytes_of("LPf 1 1 1\n\x3f\x80\0\0"sv),
+        // TIFF: 4x2 grey pixels in two strips.
+        bytes_of("PII*\0\x10\0\0\0abcdefgh\x09\0\0\1\3\0\1\0\0\0\4\0\0\0\1\1\3\0\1\0\0\0\2\0\0\0"
+                 "\2\1\3\0\1\0\0\0\x08\0\0\0\3\1\3\0\1\0\0\0\1\0\0\0\6\1\3\0\1\0\0\0\1\0\0\0"
+                 "\x11\1\3\0\1\0\0\0\x08\0\0\0\x15\1\3\0\1\0\0\0\1\0\0\0\x16\1\3\0\1\0\0\0\2\0\0\0"
+                 "\x17\1\4\0\1\0\0\0\x08\0\0\0\0\0\0\0"sv),
+        // A film of one frame.
+        bytes_of("FYUV4MPEG2 W4 H2 F25:1 Ip C420jpeg\nFRAME\nabcdefghklmn"sv),
         // Radiance: new runs, then old ones in columns.
         bytes_of("L#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n"
                  "\2\2\0\x08\x88q\x04wxyz\x84u\x88v\x88\x80"sv),
@@ -151,6 +164,10 @@ void run(const std::uint8_t* data, std::size_t size) {
     if (data[0] == 'Q')
         hints.views.quilt = ViewGrid{4, 1};
     ViewsFacts facts;
+    if (data[0] == 'F') {
+        read_all(open_film(wrap_memory(bytes), hints, facts));
+        return;
+    }
     read_all(open_picture(wrap_memory(bytes), hints, facts));
 }
 

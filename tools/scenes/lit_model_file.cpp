@@ -26,7 +26,7 @@ Result<corpus::ModelLight> make_light(const ModelArguments& a) {
     corpus::ModelLight light;
     if (!a.environment.empty()) {
         TESSERA_TRY_ASSIGN(corpus::Environment environment,
-                           corpus::Environment::load(a.environment));
+                           corpus::Environment::load(a.environment, a.environment_layer));
         light.environment = std::make_shared<const corpus::Environment>(std::move(environment));
     } else {
         light.environment =
@@ -87,6 +87,8 @@ std::vector<std::pair<std::string, std::string>> facts_of(const ModelArguments& 
     std::vector<std::pair<std::string, std::string>> facts = {
         {"environment", a.environment.empty() ? studio : a.environment},
         {"exposure", digits(file.display.exposure)}};
+    if (!a.environment_layer.empty())
+        facts.emplace_back("environment layer", a.environment_layer);
     if (!a.light.empty())
         facts.emplace_back("sun", a.light);
     if (a.roughness)
@@ -102,6 +104,7 @@ Result<ModelArguments> arguments_in(const Metadata& metadata) {
         return said == metadata.end() ? std::string() : said->second;
     };
     ModelArguments a{.environment = text("Environment"),
+                     .environment_layer = text("Environment layer"),
                      .light = text("Sun"),
                      .exposure = {},
                      .roughness = {},

@@ -2,6 +2,7 @@
 #include "format/work.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/slab_buffer.h"
+#include "tools/texture_io/clamped_rows.h"
 #include "tools/texture_io/picture_format.h"
 #include "tools/texture_io/view_names.h"
 #include "tools/texture_io/views_io.h"
@@ -31,7 +32,7 @@ Result<std::vector<std::string>> list_pictures(const std::string& folder) {
         return Status(ErrorCode::io, folder + ": " + error.message());
     if (names.empty())
         return Status(ErrorCode::invalid_file,
-                      folder + ": holds no views (.png, .jpg, .jpeg or .exr)");
+                      folder + ": holds no views (" + picture_endings + ")");
     std::sort(names.begin(), names.end());
     return names;
 }
@@ -42,7 +43,8 @@ public:
         : folder_(std::move(folder)), threads_(threads) {}
 
     Status open(const TextureHints& hints, ViewsFacts& facts) {
-        exif_ = hints.views.exif;
+        options_ = {.exif = hints.views.exif, .layer = hints.views.layer};
+        warnings_ = hints.warnings;
         TESSERA_TRY_ASSIGN(const auto names, list_pictures(folder_));
         TESSERA_TRY_ASSIGN(const auto json, read_views_json(folder_));
         ViewHints views = hints.views;
@@ -60,7 +62,7 @@ public:
         }
         TESSERA_TRY(arrange(names, views, size).with_context(folder_));
         TESSERA_TRY(check_views(hints, size));
-        facts.layout.pattern = views_.pattern.text();
+        facts.layout.pattern = writable_picture_name(views_.pattern.text(), desc_.type);
         facts.layout.order = views_.order;
         facts.told = summary(names.size());
         return {};
@@ -101,28 +103,33 @@ private:
         return {};
     }
 
-    Result<PictureShape> shape_of(std::size_t view) const {
+    // `say`: whether what the picture states in vain becomes a warning.
+    Result<PictureShape> shape_of(std::size_t view, bool say) const {
         TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
-        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, 0, exif_));
+        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, options_));
+        if (say && warnings_ != nullptr)
+            for (const std::string& note : reader->notes())
+                TESSERA_TRY(warnings_->add(note, path_of(view)));
         return reader->shape();
     }
 
     // Reads the headers of all views, which must agree with the first one and with `size`.
     Status check_views(const TextureHints& hints, const std::optional<Extent4>& size) {
-        TESSERA_TRY_ASSIGN(const PictureShape first, shape_of(0));
+        TESSERA_TRY_ASSIGN(const PictureShape first, shape_of(0, false));
         desc_.channels = first.channels;
         desc_.type = hints.type.value_or(first.usual_type());
         desc_.size =
             size.value_or(Extent4{first.width, first.height, views_.grid.s, views_.grid.t});
         TESSERA_TRY(check_desc(desc_).with_context(folder_));
         shapes_.resize(views_.names.size());
+        counted_.resize(views_.names.size());
         return parallel_for(views_.names.size(), threads_,
                             [this](std::uint64_t i) { return check_view(i); });
     }
 
     Status check_view(std::size_t view) {
         TESSERA_TRY(check_interrupt());
-        TESSERA_TRY_ASSIGN(shapes_[view], shape_of(view));
+        TESSERA_TRY_ASSIGN(shapes_[view], shape_of(view, true));
         const auto words = [](std::uint32_t width, std::uint32_t height, unsigned channels) {
             return std::to_string(width) + "x" + std::to_string(height) + " pixels of " +
                    std::to_string(channels) + " channels";
@@ -157,20 +164,25 @@ private:
         const std::size_t view = std::size_t{t} * desc_.size[axis_s] + s;
         const std::size_t texel = desc_.texel_bytes();
         TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
-        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, 0, exif_));
+        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, options_));
         if (reader->shape() != shapes_[view])
             return {ErrorCode::invalid_file, path_of(view) + ": changed while it was read"};
-        return reader->read_rows(
+        ClampedRows clamped(counted_[view]);
+        TESSERA_TRY(reader->read_rows(
             desc_.type, box.begin[axis_v], box.end[axis_v],
             [&](std::uint32_t v, std::span<const std::byte> row) {
+                clamped.add(v, reader->clamped_in_row());
                 for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
                     std::memcpy(slab_.texel(u, v, s, t), row.data() + u * texel, texel);
-            });
+            }));
+        return clamped.say(warnings_, path_of(view));
     }
 
     std::string folder_;
     unsigned threads_;
-    corpus::Exif exif_ = corpus::Exif::followed;
+    corpus::PictureOptions options_;
+    Warnings* warnings_ = nullptr;
+    std::vector<std::vector<bool>> counted_; // by view, for ClampedRows
     NamedViews views_;
     std::vector<PictureShape> shapes_; // in the order of views_.names
     TextureDesc desc_;

@@ -42,8 +42,9 @@ struct Baking {
     std::vector<std::pair<std::string, std::string>> facts;
     // The same for the files that are read; facts of the journal only.
     std::vector<std::pair<std::string, std::string>> input_facts;
-    Json json;          // the facts and more, for --json
-    std::string remark; // one line for people; may be empty
+    Json json;                          // the facts and more, for --json
+    std::string remark;                 // one line for people; may be empty
+    std::unique_ptr<Warnings> warnings; // of models
 };
 
 bool is_compressed(const BakeCommand& a);

@@ -79,12 +79,15 @@ Status bake_compressed(const BakeCommand& a, const Baking& baking, EncodeOptions
     if (a.encode.json) {
         Json json = report_json(a.output, source.desc(), options, report);
         json.update(baking.json);
+        json["warnings"] = baking.warnings ? baking.warnings->json() : Json::array();
         print_json(json);
     } else if (!a.texture.quiet) {
         print_report(summary_stream(a.output), a.output, source.desc(), report);
         if (!baking.remark.empty())
             std::fprintf(summary_stream(a.output), "  %s\n", baking.remark.c_str());
     }
+    if (baking.warnings)
+        baking.warnings->print("bake");
     return check_target(a.output, options, report);
 }
 
