@@ -177,8 +177,11 @@ Status check_reuse_options(const EncodeArguments& a) {
 }
 
 Status check_tess_output(const EncodeArguments& a, const std::string& output) {
-    if (output != standard_stream)
+    if (output != standard_stream) {
+        if (is_being_encoded(output))
+            return {ErrorCode::io, output + ": another process is writing this output now"};
         return check_output_path(output);
+    }
     if (a.resume)
         return {ErrorCode::bad_argument, "--resume: standard output has no journal"};
     TESSERA_TRY(check_json_output(a.json, output));

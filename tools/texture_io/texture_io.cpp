@@ -318,6 +318,7 @@ Status check_texture_output(const std::string& path, const TextureDesc& desc,
         return check_views_output(desc, layout).with_context(path);
     case TextureKind::raw:
         TESSERA_TRY(check_output_path(path));
+        TESSERA_TRY(check_parent_folders(path, desc.box_bytes(Box4::whole(desc.size))));
         return check_raw_ending(path, desc);
     case TextureKind::tess:
         return {ErrorCode::bad_argument, path + ": use tessera encode to compress"};

@@ -16,6 +16,7 @@
 #include "tools/verbs/command.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 
 namespace tessera {
@@ -30,6 +31,7 @@ struct EncodeCommand {
     MaskArguments mask;
     EncodeArguments encode;
     CameraFacts cameras;
+    bool in_place = false;
 };
 
 // The name of the input for messages. That of a URL is without its password.
@@ -202,10 +204,13 @@ void print_result(const EncodeCommand& a, const OpenedTexture& input, const Enco
     warnings.print("encode");
 }
 
-void count_replaced(const EncodeReport& report, Warnings& warnings) {
-    // A strict command fails at the first one, while it encodes.
-    (void)warnings.add("NaN became 0", "", report.nan_count);
-    (void)warnings.add("infinities became +-65504", "", report.infinity_count);
+// Compressing a file once more over itself loses quality, and is seldom meant.
+Status check_not_input(const EncodeCommand& a) {
+    std::error_code ignored;
+    if (a.in_place || !std::filesystem::equivalent(a.input, a.output, ignored))
+        return {};
+    return {ErrorCode::bad_argument,
+            a.output + ": is the input; write to another name, or say --in-place to replace it"};
 }
 
 Status run(const EncodeCommand& a) {
@@ -213,6 +218,7 @@ Status run(const EncodeCommand& a) {
     if (kind_of(a.output) != TextureKind::tess && a.output != standard_stream)
         return {ErrorCode::bad_argument, a.output + ": encode writes .tess files"};
     TESSERA_TRY(check_tess_output(a.encode, a.output));
+    TESSERA_TRY(check_not_input(a));
     Warnings warnings(a.encode.strict);
     TESSERA_TRY_ASSIGN(auto hints, make_hints(a.texture));
     hints.warnings = &warnings;
@@ -261,6 +267,8 @@ void declare(CLI::App& c, EncodeCommand& a) {
     c.add_option("-o,--output", a.output, "The .tess file to write; - is standard output")
         ->required();
     add_run_options(c, a.encode);
+    c.add_flag("--in-place", a.in_place,
+               "The output may be the input, which is replaced once the new file is complete");
     add_texture_options(c, a.texture);
     declare_cameras(c, a.cameras);
     add_layout_options(c, a.encode);
