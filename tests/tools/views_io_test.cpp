@@ -253,6 +253,34 @@ TEST_F(ViewsIo, ReadsKindsThatAreNotWritten) {
               ErrorCode::unsupported);
 }
 
+// Content that moves sideways from (0,0) to (1,0) shows that the first number is the column.
+TEST_F(ViewsIo, MotionDecidesUnclearAxes) {
+    for (const bool column_first : {false, true}) {
+        for (unsigned a = 0; a < 2; ++a)
+            for (unsigned b = 0; b < 2; ++b) {
+                const unsigned s = column_first ? a : b, t = column_first ? b : a;
+                std::string file = "P5 32 24 255\n";
+                for (unsigned y = 0; y < 24; ++y)
+                    for (unsigned x = 0; x < 32; ++x) {
+                        const unsigned cell = (x + 2 * s) / 3 * 7919 + (y + 2 * t) / 3 * 104729;
+                        file += static_cast<char>(cell * 2654435761u >> 24);
+                    }
+                spit(at("v/(" + std::to_string(a) + "," + std::to_string(b) + ").pgm"), file);
+            }
+        ViewsFacts facts;
+        ASSERT_TRUE(open_views(at("v"), {}, facts).ok());
+        EXPECT_EQ(facts.layout.pattern, column_first ? "({s},{t}).png" : "({t},{s}).png");
+        EXPECT_EQ(facts.layout.order.columns, column_first);
+        EXPECT_EQ(facts.told.find("(columns, as the views move)") != std::string::npos,
+                  column_first)
+            << facts.told;
+        TextureHints hints;
+        hints.views.order = ViewOrder{}; // the option decides
+        ASSERT_TRUE(open_views(at("v"), hints, facts).ok());
+        EXPECT_EQ(facts.layout.pattern, "({t},{s}).png");
+    }
+}
+
 // Samples beyond the range of halves are counted once, however often they are read.
 TEST_F(ViewsIo, CountsClampedSamplesOnce) {
     for (unsigned n = 0; n < 4; ++n) {

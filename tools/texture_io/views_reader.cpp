@@ -4,6 +4,7 @@
 #include "tools/support/slab_buffer.h"
 #include "tools/texture_io/clamped_rows.h"
 #include "tools/texture_io/picture_format.h"
+#include "tools/texture_io/view_motion.h"
 #include "tools/texture_io/view_names.h"
 #include "tools/texture_io/views_io.h"
 #include "tools/texture_io/views_json.h"
@@ -37,6 +38,8 @@ Result<std::vector<std::string>> list_pictures(const std::string& folder) {
     return names;
 }
 
+constexpr std::uint32_t most_crop_side = 256; // pixels, of the parts that are compared
+
 class ViewsSource : public TexelSource {
 public:
     ViewsSource(std::string folder, unsigned threads)
@@ -62,6 +65,15 @@ public:
         }
         TESSERA_TRY(arrange(names, views, size).with_context(folder_));
         TESSERA_TRY(check_views(hints, size));
+        if (views_.axes_are_guessed && desc_.size[axis_s] > 1 && desc_.size[axis_t] > 1) {
+            TESSERA_TRY_ASSIGN(const bool swapped, axes_look_swapped());
+            if (swapped) {
+                views.order = ViewOrder{.columns = true};
+                TESSERA_TRY(arrange(names, views, size).with_context(folder_));
+                TESSERA_TRY(check_views(hints, size));
+                by_motion_ = ", as the views move";
+            }
+        }
         facts.layout.pattern = writable_picture_name(views_.pattern.text(), desc_.type);
         facts.layout.order = views_.order;
         facts.told = summary(names.size());
@@ -143,6 +155,38 @@ private:
                     " instead of " + words(desc_.size[axis_u], desc_.size[axis_v], desc_.channels)};
     }
 
+    // The middle of a view.
+    Result<ViewCrop> crop_of(std::uint32_t s, std::uint32_t t) const {
+        const std::size_t view = std::size_t{t} * desc_.size[axis_s] + s;
+        TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
+        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, options_));
+        const corpus::PictureShape& shape = reader->shape();
+        ViewCrop crop{
+            std::min(shape.width, most_crop_side), std::min(shape.height, most_crop_side), {}};
+        const std::uint32_t left = (shape.width - crop.width) / 2;
+        const std::uint32_t top = (shape.height - crop.height) / 2;
+        const std::size_t green = shape.channels < 3 ? 0 : 1; // most of brightness
+        TESSERA_TRY(reader->read_rows(SampleType::unorm8, top, top + crop.height,
+                                      [&](std::uint32_t, std::span<const std::byte> row) {
+                                          for (std::uint32_t x = 0; x < crop.width; ++x)
+                                              crop.grey.push_back(std::to_integer<std::uint8_t>(
+                                                  row[(left + x) * shape.channels + green]));
+                                      }));
+        return crop;
+    }
+
+    // Whether content moves down where s grows and sideways where t grows, in the middle of the
+    // grid.
+    Result<bool> axes_look_swapped() const {
+        const std::uint32_t s = (desc_.size[axis_s] - 1) / 2, t = (desc_.size[axis_t] - 1) / 2;
+        TESSERA_TRY_ASSIGN(const ViewCrop here, crop_of(s, t));
+        TESSERA_TRY_ASSIGN(const ViewCrop right, crop_of(s + 1, t));
+        if (motion_between(here, right) != Motion::vertical)
+            return false;
+        TESSERA_TRY_ASSIGN(const ViewCrop below, crop_of(s, t + 1));
+        return motion_between(here, below) == Motion::horizontal;
+    }
+
     // For people. `pictures`: how many the folder has.
     std::string summary(std::size_t pictures) const {
         const std::string order = to_string(views_.order);
@@ -154,7 +198,7 @@ private:
                ", " + to_string(views_.grid) + " cameras from the " +
                (views_.order.bottom_up ? "bottom " : "top ") +
                (views_.order.right_left ? "right" : "left") +
-               (order.empty() ? "" : " (" + order + ")") +
+               (order.empty() ? "" : " (" + order + by_motion_ + ")") +
                (rounded ? "; 16-bit samples are rounded to 8 (--type half keeps 11)" : "");
     }
 
@@ -184,6 +228,7 @@ private:
     Warnings* warnings_ = nullptr;
     std::vector<std::vector<bool>> counted_; // by view, for ClampedRows
     NamedViews views_;
+    std::string by_motion_;            // for people: why the order is another one
     std::vector<PictureShape> shapes_; // in the order of views_.names
     TextureDesc desc_;
     SlabBuffer slab_;
