@@ -42,7 +42,7 @@ private:
     std::size_t at_ = 0;
 };
 
-template <class Number> bool parse_word(const std::string& word, Number& value) {
+template <class Number> bool parse_header_word(const std::string& word, Number& value) {
     const char* end = word.data() + word.size();
     const auto [rest, error] = std::from_chars(word.data(), end, value);
     return error == std::errc() && rest == end;
@@ -56,7 +56,7 @@ Status bad_word(const char* kind, const std::string& word, const char* what) {
 
 Status read_header_size(const char* kind, HeaderWords& words, PictureShape& shape) {
     for (std::uint32_t* side : {&shape.width, &shape.height})
-        if (const std::string word = words.next(); !parse_word(word, *side))
+        if (const std::string word = words.next(); !parse_header_word(word, *side))
             return bad_word(kind, word, "its width or height");
     return check_size(shape.width, shape.height);
 }
@@ -93,7 +93,8 @@ Result<HeldPicture> read_pnm(std::span<const std::byte> file) {
     picture.shape.channels = kind == "P3" || kind == "P6" ? 3 : 1;
     TESSERA_TRY(read_header_size("PNM", words, picture.shape));
     unsigned most = 0;
-    if (const std::string word = words.next(); !parse_word(word, most) || most == 0 || most > 65535)
+    if (const std::string word = words.next();
+        !parse_header_word(word, most) || most == 0 || most > 65535)
         return bad_word("PNM", word, "a largest value from 1 to 65535");
     const Scaling scaling(most);
     picture.shape.bits = scaling.full() == 255 ? 8 : 16;
@@ -108,7 +109,7 @@ Result<HeldPicture> read_pnm(std::span<const std::byte> file) {
     for (std::size_t i = 0; i < count; ++i) {
         unsigned value = 0;
         if (is_text) {
-            if (const std::string word = words.next(); !parse_word(word, value))
+            if (const std::string word = words.next(); !parse_header_word(word, value))
                 return bad_word("PNM", word, "a sample");
         } else {
             for (std::size_t b = 0; b < bytes; ++b) // the high byte first
@@ -130,7 +131,7 @@ Result<HeldPicture> read_pfm(std::span<const std::byte> file) {
     TESSERA_TRY(read_header_size("PFM", words, picture.shape));
     float scale = 0; // its sign is the byte order
     if (const std::string word = words.next();
-        !parse_word(word, scale) || !std::isfinite(scale) || scale == 0)
+        !parse_header_word(word, scale) || !std::isfinite(scale) || scale == 0)
         return bad_word("PFM", word, "its scale, which is not 0");
     const bool swaps = (scale > 0) == (std::endian::native == std::endian::little);
     const std::size_t line = std::size_t{picture.shape.width} * picture.shape.channels;

@@ -57,6 +57,12 @@ double usual_exposure(const corpus::ModelLight& light) {
     }
     if (light.sun)
         mean += light.sun->irradiance.y / (4.0 * std::numbers::pi);
+    for (const corpus::ModelLamp& lamp : light.lamps) {
+        constexpr double radius = 3.5; // of models; a lamp may lie inside
+        const double distance = std::max(glm::length(lamp.position), radius);
+        const bool is_far = lamp.kind == corpus::ModelLamp::Kind::directional;
+        mean += lamp.strength.y / (is_far ? 1.0 : distance * distance) / (4.0 * std::numbers::pi);
+    }
     return mean > 0.0 ? std::strtod(digits(usual_brightness / mean).c_str(), nullptr) : 1.0;
 }
 
@@ -78,7 +84,10 @@ Result<LitModelFile> load_lit_model(const std::string& path, const ModelArgument
     TESSERA_TRY_ASSIGN(file.model, corpus::load_model(path));
     change_materials(a, file.model);
     TESSERA_TRY_ASSIGN(file.light, make_light(a));
+    file.light.lamps = file.model.lamps;
     file.display = {a.exposure ? *a.exposure : usual_exposure(file.light), SampleType::unorm8};
+    for (corpus::ModelMaterial& m : file.model.materials)
+        m.unlit_light = 1.0 / file.display.exposure; // so that it shows its base colour
     return file;
 }
 
