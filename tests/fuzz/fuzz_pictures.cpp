@@ -8,7 +8,13 @@
 #include "tools/texture_io/film_io.h"
 #include "tools/texture_io/picture_io.h"
 
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
 #include <ImfRgbaFile.h>
+#include <ImfTileDescription.h>
+#include <ImfTiledOutputFile.h>
 #include <algorithm>
 #include <unistd.h>
 
@@ -62,6 +68,37 @@ Bytes exr_seed(int width, int height, Imf::RgbaChannels channels) {
     return seed;
 }
 
+// Floats in a layer, in scanlines or in tiles of two levels.
+Bytes layered_exr_seed(bool tiled) {
+    const std::string path = "/tmp/tessera_fuzz_" + std::to_string(::getpid()) + ".exr";
+    {
+        Imf::Header header(8, 4);
+        header.compression() = tiled ? Imf::PIZ_COMPRESSION : Imf::ZIP_COMPRESSION;
+        Imf::FrameBuffer frame;
+        std::vector<float> values(32, 1e5f);
+        for (const char* name : {"a.R", "a.G", "a.B", "depth.Z"}) {
+            header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+            frame.insert(name,
+                         Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), 4, 32));
+        }
+        if (tiled) {
+            header.setTileDescription(Imf::TileDescription(4, 4, Imf::MIPMAP_LEVELS));
+            Imf::TiledOutputFile file(path.c_str(), header);
+            file.setFrameBuffer(frame);
+            for (int level = 0; level < file.numLevels(); ++level)
+                file.writeTiles(0, file.numXTiles(level) - 1, 0, file.numYTiles(level) - 1, level);
+        } else {
+            Imf::OutputFile file(path.c_str(), header);
+            file.setFrameBuffer(frame);
+            file.writePixels(4);
+        }
+    }
+    std::ifstream in(path, std::ios::binary);
+    const Bytes seed = bytes_of(std::string((std::istreambuf_iterator<char>(in)), {}));
+    ::unlink(path.c_str());
+    return seed;
+}
+
 Bytes with_selector(char selector, const Bytes& file) {
     Bytes input{static_cast<std::byte>(selector)};
     input.insert(input.end(), file.begin(), file.end());
@@ -75,6 +112,12 @@ std::vector<Bytes> foreign_seeds() {
         // WebP: lossless.
         bytes_of(
             "I"
+            "\x52\x49\x46\x46\x36\x00\x00\x00\x57\x45\x42\x50\x56\x50\x38\x4c\x2a\x00\x00\x00\x2f"
+            "\x0f\xc0\x03\x00\x1f\x20\x10\x48\xda\x1f\x7a\x8d\xf9\x17\x10\x14\xf9\x3f\xda\xfc\x07"
+            "\x5f\x24\x80\x30\xdb\x68\x92\x93\x9c\xe4\xbd\xcf\x20\xa2\xff\xb1\xe9\x07\xf5\x01"sv),
+        // The same as a view.
+        bytes_of(
+            "P"
             "\x52\x49\x46\x46\x36\x00\x00\x00\x57\x45\x42\x50\x56\x50\x38\x4c\x2a\x00\x00\x00\x2f"
             "\x0f\xc0\x03\x00\x1f\x20\x10\x48\xda\x1f\x7a\x8d\xf9\x17\x10\x14\xf9\x3f\xda\xfc\x07"
             "\x5f\x24\x80\x30\xdb\x68\x92\x93\x9c\xe4\xbd\xcf\x20\xa2\xff\xb1\xe9\x07\xf5\x01"sv),
@@ -135,7 +178,9 @@ std::vector<Bytes> seeds() {
     all.push_back(with_selector('P', jpeg));
     all.push_back(with_selector('I', jpeg));
     all.push_back(with_selector('E', exr_seed(8, 4, Imf::WRITE_RGBA)));
-    all.push_back(with_selector('P', exr_seed(4, 4, Imf::WRITE_YC)));
+    all.push_back(with_selector('E', exr_seed(8, 4, Imf::WRITE_YC)));
+    all.push_back(with_selector('E', layered_exr_seed(false)));
+    all.push_back(with_selector('E', layered_exr_seed(true)));
     all.push_back(with_selector('L', exr_seed(4, 4, Imf::WRITE_RGB)));
     return all;
 }
