@@ -119,8 +119,8 @@ void add_layout_options(CLI::App& app, EncodeArguments& a) {
         "--max-error. Default: the encoder tries several");
     group.flag("--no-verify", a.no_verify, "Do not decode each tile again for a comparison");
     group.flag("--strict", a.strict,
-               "Refuse NaN and infinities instead of replacing them, and models with parts that "
-               "cannot be baked instead of noting these");
+               "Make warnings errors: NaN and infinities, and what a picture or a model states and "
+               "Tessera does not follow");
 }
 
 void add_description_options(CLI::App& app, EncodeArguments& a) {
