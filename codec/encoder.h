@@ -207,6 +207,9 @@ encode_stream(TexelSource& source,
 // The folder of the journal for an output file.
 std::string journal_path(const std::string& output);
 
+// Whether a running process encodes into that file with a journal.
+bool is_being_encoded(const std::string& output);
+
 // Whether that folder holds finished tiles with which JournalUse::resume would continue, and no
 // running process uses it.
 bool holds_finished_tiles(const std::string& output);

@@ -11,9 +11,14 @@
 
 namespace TESSERA_PUBLIC tessera {
 
-// Writes to a temporary file "<path>.<pid>.tmp". commit() flushes it to the disk and renames it to
-// `path`; an existing file of that name is untouched until then. Without commit() the destructor
-// removes the temporary file. Errors of all members: io, with the path and the system's reason. Not
+// What writing to `path` creates or replaces: `path` itself or, where that is a symbolic link, what
+// it points to, which need not exist. Errors: io (a loop of links).
+Result<std::string> output_target(const std::string& path);
+
+// Writes to a temporary file "<target>.<pid>.tmp" beside output_target(path). commit() flushes it to
+// the disk and renames it to the target, so that a link stays a link. An existing file is untouched
+// until then; the new one has its mode and, where the system allows it, its owner. A file that
+// nobody may write is refused. Without commit() the destructor removes the temporary file. Errors of all members: io, with the path and the system's reason. Not
 // thread-safe, except for write_at().
 class OutputFile {
 public:
@@ -23,8 +28,8 @@ public:
     ~OutputFile();
 
     static Result<OutputFile> create(const std::string& path);
-    // Uses a temporary name that the caller chooses on the same file system, and that nobody else
-    // uses. A file that a killed run left there is replaced.
+    // Uses a temporary name that the caller chooses beside `path`, and that nobody else uses. A file
+    // that a killed run left there is replaced. If `path` is a link, the name is not used.
     static Result<OutputFile> create(const std::string& path, const std::string& temporary);
 
     Status append(std::span<const std::byte> bytes);
@@ -36,13 +41,14 @@ public:
 
 private:
     void discard();
-    std::string path_, temporary_;
+    std::string path_, target_, temporary_;
     int descriptor_ = -1;
     std::uint64_t appended_ = 0;
 };
 
-// Writes files to a temporary folder "<path>.<pid>.tmp". commit() renames it to `path` and replaces
-// a folder of that name, which is put back if the rename fails. Without commit() the destructor
+// Writes files to a temporary folder "<target>.<pid>.tmp" beside output_target(path). commit() renames
+// it to the target and replaces a folder of that name, whose mode and owner it keeps, and which is
+// put back if the rename fails. Without commit() the destructor
 // removes the temporary folder. Errors of all members: io, with the path and the system's reason.
 // Not thread-safe, except for add() with different names.
 class OutputFolder {
@@ -60,7 +66,7 @@ public:
 
 private:
     void discard();
-    std::string path_, temporary_; // temporary_ is empty when there is nothing to remove
+    std::string path_, target_, temporary_; // temporary_ is empty when there is nothing to remove
 };
 
 // Removes the temporary files and folders of all outputs of the process that are not committed.

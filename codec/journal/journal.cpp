@@ -174,20 +174,31 @@ std::vector<std::byte> done_head(unsigned number, const CodingParameters& parame
     return head;
 }
 
+enum class Lock { missing, free, held };
+
+// The state of the lock of an output's journal.
+Lock lock_of(const std::string& output) {
+    const std::string path = journal_path(output) + "/lock";
+    const int lock = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (lock < 0)
+        return Lock::missing;
+    const bool is_free = ::flock(lock, LOCK_EX | LOCK_NB) == 0;
+    ::close(lock);
+    return is_free ? Lock::free : Lock::held;
+}
+
 } // namespace
 
 std::string journal_path(const std::string& output) {
     return output + ".journal";
 }
 
+bool is_being_encoded(const std::string& output) {
+    return lock_of(output) == Lock::held;
+}
+
 bool holds_finished_tiles(const std::string& output) {
-    const std::string folder = journal_path(output);
-    const int lock = ::open((folder + "/lock").c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-    if (lock < 0)
-        return false;
-    const bool free = ::flock(lock, LOCK_EX | LOCK_NB) == 0;
-    ::close(lock);
-    return free && Journal::holds_tiles(folder);
+    return lock_of(output) == Lock::free && Journal::holds_tiles(journal_path(output));
 }
 
 Result<std::unique_ptr<Journal>> Journal::open(const std::string& output) {

@@ -136,6 +136,11 @@ std::vector<DistantLight> distant_lights(const ModelLight& light, unsigned count
         lights.push_back({.direction = glm::vec3(light.sun->direction),
                           .spread = 0.0f,
                           .irradiance = glm::vec3(light.sun->irradiance * exposure)});
+    for (const ModelLamp& lamp : light.lamps)
+        if (lamp.kind == ModelLamp::Kind::directional)
+            lights.push_back({.direction = glm::vec3(-lamp.direction),
+                              .spread = 0.0f,
+                              .irradiance = glm::vec3(lamp.strength * exposure)});
     return lights;
 }
 

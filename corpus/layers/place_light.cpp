@@ -118,6 +118,11 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer,
         if (const auto& sun = tracer.light().sun;
             sun && !tracer.is_shadowed(place.point, sun->direction))
             add(sun->direction, sun->irradiance * share);
+        for (const ModelLamp& lamp : tracer.light().lamps) {
+            const LampLight l = lamp_light(lamp, place.point.position);
+            if (!tracer.is_shadowed(place.point, l.direction, l.distance))
+                add(l.direction, l.irradiance * share);
+        }
     }
     diffuse_[at] = glm::vec3(lit);
     for (std::size_t i = 0; i < sums.size(); ++i)

@@ -12,6 +12,7 @@ using Json = nlohmann::json;
 constexpr int deepest_json = 64;
 constexpr std::size_t longest_header = 300; // of a data URI
 constexpr const char* draco_name = "KHR_draco_mesh_compression";
+constexpr const char* meshopt_name = "EXT_meshopt_compression";
 
 std::uint32_t number_at(const std::vector<unsigned char>& bytes, std::size_t at) {
     std::uint32_t x = 0;
@@ -108,6 +109,57 @@ Status check_views(Json& root) {
     return {};
 }
 
+// Makes a compressed view refer to its compressed bytes, which tinygltf can load.
+Result<MeshoptUse> take_meshopt(Json& view, const std::string& name) {
+    const Json extension = view["extensions"][meshopt_name];
+    view["extensions"].erase(meshopt_name);
+    const auto text = [&](const char* key) {
+        const auto it = extension.find(key);
+        return it != extension.end() && it->is_string() ? it->get<std::string>() : std::string();
+    };
+    if (!extension.is_object())
+        return invalid_gltf(name + ": " + meshopt_name + " is not an object");
+    MeshoptUse use;
+    use.mode = text("mode");
+    use.filter = text("filter");
+    const std::int64_t stride = count_of(extension, "byteStride", -1);
+    const std::int64_t count = count_of(extension, "count", -1);
+    for (const char* key : {"buffer", "byteLength"})
+        if (count_of(extension, key, -1) < 0)
+            return invalid_gltf(name + ": " + meshopt_name + " has no " + key);
+    if (stride <= 0 || stride > 256 || count < 0 || count > most_vertices * 6)
+        return invalid_gltf(name + ": " + meshopt_name + " has " + std::to_string(count) +
+                            " elements of " + std::to_string(stride) + " bytes");
+    use.stride = static_cast<std::size_t>(stride);
+    use.count = static_cast<std::size_t>(count);
+    view["buffer"] = extension["buffer"];
+    view["byteOffset"] = count_of(extension, "byteOffset", 0);
+    view["byteLength"] = extension["byteLength"];
+    return use;
+}
+
+// Takes the extension from all views. Buffers that only stand in for decoded bytes have none.
+Status take_all_meshopt(Json& root, bool has_binary, SafeGltf& safe) {
+    TESSERA_TRY_ASSIGN(const auto views, objects_of(root, "bufferViews"));
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const auto extensions = views[i]->find("extensions");
+        if (extensions == views[i]->end() || !extensions->is_object() ||
+            !extensions->contains(meshopt_name))
+            continue;
+        TESSERA_TRY_ASSIGN(safe.meshopt[i],
+                           take_meshopt(*views[i], "bufferView " + std::to_string(i)));
+    }
+    if (safe.meshopt.empty())
+        return {};
+    TESSERA_TRY_ASSIGN(const auto buffers, objects_of(root, "buffers"));
+    for (std::size_t i = has_binary ? 1 : 0; i < buffers.size(); ++i)
+        if (!buffers[i]->contains("uri")) {
+            (*buffers[i])["uri"] = "data:application/octet-stream;base64,AA==";
+            (*buffers[i])["byteLength"] = 1;
+        }
+    return {};
+}
+
 Result<DracoUse> take_draco(Json& primitive, const std::string& name) {
     DracoUse use;
     const Json extension = primitive["extensions"][draco_name];
@@ -146,7 +198,13 @@ bool is_supported(const std::string& extension) {
     constexpr const char* supported[] = {draco_name,
                                          "EXT_mesh_gpu_instancing",
                                          "EXT_texture_webp",
+                                         meshopt_name,
+                                         "KHR_lights_punctual",
                                          "KHR_materials_emissive_strength",
+                                         "KHR_materials_ior",
+                                         "KHR_materials_pbrSpecularGlossiness",
+                                         "KHR_materials_specular",
+                                         "KHR_materials_unlit",
                                          "KHR_mesh_quantization",
                                          "KHR_texture_transform"};
     return std::ranges::find(supported, extension) != std::end(supported);
@@ -215,8 +273,9 @@ Result<SafeGltf> make_safe_gltf(std::vector<unsigned char> bytes) {
         return invalid_gltf("is not JSON");
     TESSERA_TRY(check_version(root));
     TESSERA_TRY(check_extensions(root));
-    TESSERA_TRY(check_views(root));
     count_ignored(root, safe.ignored);
+    TESSERA_TRY(take_all_meshopt(root, !safe.binary.empty(), safe));
+    TESSERA_TRY(check_views(root));
     for (const char* name : {"buffers", "images"}) {
         TESSERA_TRY_ASSIGN(const auto objects, objects_of(root, name));
         for (Json* object : objects)

@@ -25,10 +25,17 @@ struct DracoUse {
     std::map<std::string, int> attributes; // from glTF's name to Draco's unique id
 };
 
+// A view whose bytes meshoptimizer compressed.
+struct MeshoptUse {
+    std::string mode, filter;
+    std::size_t stride = 0, count = 0; // bytes of an element, elements
+};
+
 struct SafeGltf {
     std::string json;                  // without the Draco extension
     std::vector<unsigned char> binary; // the buffer of a .glb; may be empty
     std::map<std::pair<std::size_t, std::size_t>, DracoUse> draco; // by mesh and primitive
+    std::map<std::size_t, MeshoptUse> meshopt;                     // by view
     std::map<std::string, std::size_t> ignored; // how often unsupported extensions are used
 };
 

@@ -90,6 +90,45 @@ Result<TextureUse> texture_use(const tinygltf::Model& file, int texture, int uv,
     return use;
 }
 
+double number_at(const Value& list, std::size_t index, double otherwise) {
+    const Value& number = list.Get(static_cast<int>(index));
+    return number.IsNumber() ? number.GetNumberAsDouble() : otherwise;
+}
+
+// Three numbers from 0 to 10,000.
+glm::dvec3 colour_or(const Value& object, const char* key, const glm::dvec3& otherwise) {
+    if (!object.Has(key) || !object.Get(key).IsArray() || object.Get(key).ArrayLen() < 3)
+        return otherwise;
+    glm::dvec3 colour;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto channel = static_cast<glm::length_t>(c);
+        colour[channel] = number_at(object.Get(key), c, otherwise[channel]);
+    }
+    return glm::clamp(colour, 0.0, 1e4);
+}
+
+double fourth_or(const Value& object, const char* key, double otherwise) {
+    return object.Has(key) && object.Get(key).IsArray() && object.Get(key).ArrayLen() == 4
+               ? number_at(object.Get(key), 3, otherwise)
+               : otherwise;
+}
+
+// The texture that an extension names under `key`; none without it.
+Result<TextureUse> extension_texture(const tinygltf::Model& file, const Value& extension,
+                                     const char* key, const std::string& who,
+                                     std::vector<std::string>& notes) {
+    if (!extension.Has(key) || !extension.Get(key).IsObject())
+        return TextureUse();
+    const Value& info = extension.Get(key);
+    tinygltf::ExtensionMap extensions;
+    if (info.Has("extensions") && info.Get("extensions").IsObject())
+        for (const std::string& name : info.Get("extensions").Keys())
+            extensions[name] = info.Get("extensions").Get(name);
+    const double index = number_or(info, "index", -1.0), uv = number_or(info, "texCoord", 0.0);
+    const auto whole = [](double x) { return x >= 0.0 && x < 1e6 ? static_cast<int>(x) : -1; };
+    return texture_use(file, whole(index), whole(uv), extensions, who, notes);
+}
+
 Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t number,
                                     std::vector<std::string>& notes) {
     const tinygltf::Material& from = file.materials[number];
@@ -115,11 +154,40 @@ Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t num
     TESSERA_TRY_ASSIGN(m.metal_roughness_texture, use(pbr.metallicRoughnessTexture));
     TESSERA_TRY_ASSIGN(m.normal_texture, use(from.normalTexture));
     TESSERA_TRY_ASSIGN(m.emission_texture, use(from.emissiveTexture));
+    m.is_unlit = from.extensions.contains("KHR_materials_unlit");
+    if (const Value* ior = extension_of(from.extensions, "KHR_materials_ior")) {
+        // 0 stands for an infinite index.
+        const double index = std::clamp(number_or(*ior, "ior", 1.5), 0.0, 1e6);
+        const double root = index == 0.0 ? 1.0 : (index - 1.0) / (index + 1.0);
+        m.reflectance = index == 1.5 ? usual_reflectance : root * root;
+    }
+    const auto extended_use = [&](const Value& extension, const char* key) {
+        return extension_texture(file, extension, key, who, notes);
+    };
+    if (const Value* specular = extension_of(from.extensions, "KHR_materials_specular")) {
+        m.specular = std::clamp(number_or(*specular, "specularFactor", 1.0), 0.0, 1.0);
+        m.specular_colour = colour_or(*specular, "specularColorFactor", glm::dvec3(1.0));
+        TESSERA_TRY_ASSIGN(m.specular_texture, extended_use(*specular, "specularTexture"));
+        TESSERA_TRY_ASSIGN(m.specular_colour_texture,
+                           extended_use(*specular, "specularColorTexture"));
+    }
+    if (const Value* gloss = extension_of(from.extensions, "KHR_materials_pbrSpecularGlossiness")) {
+        m.has_glossiness = true;
+        m.base = glm::clamp(glm::dvec4(colour_or(*gloss, "diffuseFactor", glm::dvec3(1.0)),
+                                       fourth_or(*gloss, "diffuseFactor", 1.0)),
+                            0.0, 1.0);
+        m.specular_colour = colour_or(*gloss, "specularFactor", glm::dvec3(1.0));
+        m.roughness = 1.0 - std::clamp(number_or(*gloss, "glossinessFactor", 1.0), 0.0, 1.0);
+        TESSERA_TRY_ASSIGN(m.base_texture, extended_use(*gloss, "diffuseTexture"));
+        TESSERA_TRY_ASSIGN(m.metal_roughness_texture,
+                           extended_use(*gloss, "specularGlossinessTexture"));
+    }
     return m;
 }
 
-std::array<TextureUse*, 4> textures_of(ModelMaterial& m) {
-    return {&m.base_texture, &m.metal_roughness_texture, &m.normal_texture, &m.emission_texture};
+std::array<TextureUse*, 6> textures_of(ModelMaterial& m) {
+    return {&m.base_texture,     &m.metal_roughness_texture, &m.normal_texture,
+            &m.emission_texture, &m.specular_texture,        &m.specular_colour_texture};
 }
 
 // Decodes image `number` into the model; if that fails, takes it from all materials.

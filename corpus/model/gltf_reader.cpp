@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
+#include <glm/vector_relational.hpp>
 
 namespace tessera::corpus {
 namespace {
@@ -114,6 +115,7 @@ private:
             return invalid_gltf("more than " + std::to_string(most_nodes) + " nodes");
         const tinygltf::Node& node = at(file_.nodes, number);
         const glm::dmat4 place = parent * transform_of(node);
+        add_lamp(node, place);
         if (node.mesh >= 0) {
             if (!has(file_.meshes, node.mesh))
                 return invalid_gltf(who + " has mesh " + std::to_string(node.mesh) + " of " +
@@ -123,6 +125,39 @@ private:
         for (const int child : node.children)
             TESSERA_TRY(add_node(child, place, depth + 1));
         return {};
+    }
+
+    // Intensities beyond these limits are mistakes of an exporter.
+    void add_lamp(const tinygltf::Node& node, const glm::dmat4& place) {
+        const auto it = node.extensions.find("KHR_lights_punctual");
+        if (it == node.extensions.end() || !it->second.Has("light") ||
+            !it->second.Get("light").IsNumber() ||
+            !has(file_.lights, it->second.Get("light").GetNumberAsInt()))
+            return;
+        const tinygltf::Light& light = at(file_.lights, it->second.Get("light").GetNumberAsInt());
+        ModelLamp lamp;
+        using Kind = ModelLamp::Kind;
+        lamp.kind = light.type == "directional" ? Kind::directional
+                    : light.type == "spot"      ? Kind::spot
+                                                : Kind::point;
+        lamp.position = glm::dvec3(place[3]);
+        const glm::dvec3 way = glm::dmat3(place) * glm::dvec3(0.0, 0.0, -1.0);
+        const double length = glm::length(way);
+        glm::dvec3 colour(1.0);
+        if (light.color.size() == 3)
+            colour = glm::make_vec3(light.color.data());
+        lamp.strength = glm::clamp(colour, 0.0, 1.0) * std::clamp(light.intensity, 0.0, 1e9);
+        const bool is_sound = length > 1e-12 && length < 1e12 && std::isfinite(light.intensity) &&
+                              glm::all(glm::lessThan(glm::abs(lamp.position), glm::dvec3(1e12)));
+        if (!is_sound || lamp.strength == glm::dvec3(0.0)) {
+            ++dark_;
+            return;
+        }
+        lamp.direction = way / length;
+        lamp.range = std::clamp(light.range, 0.0, 1e12);
+        lamp.inner_cosine = std::cos(std::clamp(light.spot.innerConeAngle, 0.0, 1.5707963));
+        lamp.outer_cosine = std::cos(std::clamp(light.spot.outerConeAngle, 0.0, 1.5707963));
+        builder_.model().lamps.push_back(lamp);
     }
 
     // The mesh of a node, once for each of its instances (EXT_mesh_gpu_instancing).
@@ -184,6 +219,9 @@ private:
         if (hidden_ > 0)
             notes.push_back("skipped " + std::to_string(hidden_) +
                             (hidden_ == 1 ? " mesh" : " meshes") + " with a scale of 0");
+        if (dark_ > 0)
+            notes.push_back("skipped " + std::to_string(dark_) +
+                            (dark_ == 1 ? " light" : " lights") + " without any intensity");
         if (skipped_ > 0)
             notes.push_back("skipped " + std::to_string(skipped_) +
                             (skipped_ == 1 ? " primitive" : " primitives") +
@@ -195,6 +233,7 @@ private:
     ModelBuilder& builder_;
     std::size_t nodes_ = 0;
     std::size_t hidden_ = 0;  // meshes of scale 0
+    std::size_t dark_ = 0;    // lights without intensity
     std::size_t skipped_ = 0; // primitives of points or lines
 };
 
@@ -248,6 +287,28 @@ Status load(const std::string& path, const SafeGltf& safe, tinygltf::Model& file
                         (text.empty() ? "tinygltf states no reason" : text.substr(0, 300)));
 }
 
+// Gives each view that meshoptimizer compressed a buffer of its own.
+Status decompress(const SafeGltf& safe, tinygltf::Model& file) {
+    std::size_t total = 0;
+    for (const auto& [number, use] : safe.meshopt) {
+        const std::string who = "bufferView " + std::to_string(number);
+        total += use.count * use.stride;
+        if (total > most_model_bytes)
+            return {ErrorCode::unsupported, who + ": the views decode to more than 2 GB"};
+        TESSERA_TRY_ASSIGN(const auto stream, view_bytes(file, static_cast<int>(number), who));
+        tinygltf::Buffer buffer;
+        TESSERA_TRY_ASSIGN(buffer.data, decode_meshopt(stream, use).with_context(who));
+        tinygltf::BufferView& view = file.bufferViews[number];
+        view.buffer = static_cast<int>(file.buffers.size());
+        view.byteOffset = 0;
+        view.byteLength = buffer.data.size();
+        if (use.mode == "ATTRIBUTES")
+            view.byteStride = use.stride;
+        file.buffers.push_back(std::move(buffer));
+    }
+    return {};
+}
+
 // Says what the file has and Tessera does not model, one line per feature.
 void note_ignored(const tinygltf::Model& file, const SafeGltf& safe,
                   std::vector<std::string>& notes) {
@@ -282,6 +343,7 @@ Status read_gltf(const std::string& path, ModelBuilder& builder) {
     TESSERA_TRY_ASSIGN(const SafeGltf safe, make_safe_gltf(std::move(bytes)));
     tinygltf::Model file;
     TESSERA_TRY(load(path, safe, file));
+    TESSERA_TRY(decompress(safe, file));
     return convert(file, safe, builder);
 }
 

@@ -34,15 +34,30 @@ struct TextureUse {
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
 };
 
+// How a place that is no metal mirrors light at normal incidence, without KHR_materials_ior.
+inline constexpr double usual_reflectance = 0.04;
+
 // The metallic-roughness material of glTF, without occlusion: the tracer computes that.
 struct ModelMaterial {
     glm::dvec4 base{1.0}; // linear
     double metal = 1.0, roughness = 1.0;
+    // The mirror of what is no metal: KHR_materials_ior, and the weight and colour of
+    // KHR_materials_specular.
+    double reflectance = usual_reflectance, specular = 1.0;
+    glm::dvec3 specular_colour{1.0};
+    // KHR_materials_pbrSpecularGlossiness: `base` is the diffuse colour, specular_colour the
+    // reflectance of all, and metal_roughness_texture has factors of the reflectance and, in alpha,
+    // of 1 - roughness. `metal` is not used.
+    bool has_glossiness = false;
+    // KHR_materials_unlit: the base colour times unlit_light is emitted, and nothing is reflected.
+    bool is_unlit = false;
+    double unlit_light = 1.0;
     glm::dvec3 emission{0.0};
     double normal_scale = 1.0;
     double cutoff = 0.0; // light passes where alpha is below it; 0: opaque
     bool double_sided = false;
     TextureUse base_texture, metal_roughness_texture, normal_texture, emission_texture;
+    TextureUse specular_texture, specular_colour_texture; // alpha, colour
 };
 
 struct ModelVertex {
@@ -57,12 +72,23 @@ struct ModelTriangle {
     std::uint32_t material = 0;
 };
 
+// A light without size (KHR_lights_punctual).
+struct ModelLamp {
+    enum class Kind : std::uint8_t { directional, point, spot } kind = Kind::point;
+    glm::dvec3 position{0.0};             // not of directional lamps
+    glm::dvec3 direction{0.0, 0.0, -1.0}; // in which it shines; not of points
+    glm::dvec3 strength{1.0};             // irradiance of directional lamps, else intensity
+    double range = 0.0;                   // beyond which it is dark; 0: none
+    double inner_cosine = 1.0, outer_cosine = 0.0; // of a spot: full light, and none
+};
+
 struct Model {
     std::vector<ModelVertex> vertices;
     std::vector<ModelTriangle> triangles;
     std::vector<ModelMaterial> materials; // at least one
     std::vector<Image> images;            // without texels where no material uses it
-    std::vector<std::string> notes;       // what is missing or ignored, for people
+    std::vector<ModelLamp> lamps;
+    std::vector<std::string> notes; // what is missing or ignored, for people
 };
 
 // The normal of a triangle. Its length is twice the area.
@@ -75,8 +101,9 @@ inline glm::dvec3 area_vector(const Model& model, const ModelTriangle& triangle)
 
 // Reads a model. The suffix states its kind: .gltf and .glb (glTF 2.0), .obj or .ply. The model is
 // moved and scaled to fill the paper's sphere, radius 3.5 around the origin. Extensions of glTF
-// that are read: KHR_draco_mesh_compression, KHR_mesh_quantization, KHR_texture_transform,
-// KHR_materials_emissive_strength, EXT_mesh_gpu_instancing, EXT_texture_webp. Model::notes names
+// that are read: KHR_draco_mesh_compression, EXT_meshopt_compression, KHR_mesh_quantization,
+// KHR_texture_transform, KHR_lights_punctual, EXT_mesh_gpu_instancing, EXT_texture_webp, and
+// KHR_materials_emissive_strength, _ior, _specular, _unlit and _pbrSpecularGlossiness. Model::notes names
 // what is ignored: other extensions, animation, skins, morph targets, blending, pictures that
 // cannot be read.
 //

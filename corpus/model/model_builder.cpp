@@ -176,8 +176,15 @@ Result<Model> ModelBuilder::finish() && {
     double radius = 0;
     for (const ModelVertex& v : model_.vertices)
         radius = std::max(radius, glm::length(glm::dvec3(v.position) - middle));
+    const double scale = paper_radius / radius;
     for (ModelVertex& v : model_.vertices)
-        v.position = glm::vec3((glm::dvec3(v.position) - middle) * (paper_radius / radius));
+        v.position = glm::vec3((glm::dvec3(v.position) - middle) * scale);
+    for (ModelLamp& lamp : model_.lamps) {
+        lamp.position = (lamp.position - middle) * scale;
+        lamp.range *= scale;
+        if (lamp.kind != ModelLamp::Kind::directional)
+            lamp.strength *= scale * scale; // the same irradiance
+    }
     return std::move(model_);
 }
 

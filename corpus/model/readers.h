@@ -19,6 +19,10 @@ Status read_ply(const std::string& path, ModelBuilder& builder);
 Status decode_draco_part(std::span<const unsigned char> stream, const DracoUse& use,
                          ModelPart& part);
 
+// Decodes a glTF view that meshoptimizer compressed. Errors: invalid_file.
+Result<std::vector<unsigned char>> decode_meshopt(std::span<const unsigned char> stream,
+                                                  const MeshoptUse& use);
+
 // The folder of the file; "." if the path has none.
 std::string folder_of(const std::string& path);
 

@@ -42,6 +42,7 @@ public:
     TurnedPicture(std::unique_ptr<PictureReader> picture, Orientation orientation)
         : picture_(std::move(picture)), orientation_(orientation) {
         shape_ = picture_->shape();
+        notes_ = picture_->notes();
         if (swaps_axes())
             std::swap(shape_.width, shape_.height);
     }
@@ -62,8 +63,10 @@ private:
                                                 " bytes that EXIF turns; " +
                                                 "only 1 GiB is turned"};
         std::vector<std::byte> all(bytes);
+        std::uint64_t clamped = 0; // of all rows; said once
         TESSERA_TRY(picture_->read_rows(
             type, 0, from.height, [&](std::uint32_t y, std::span<const std::byte> samples) {
+                clamped += picture_->clamped_in_row();
                 std::ranges::copy(samples, all.begin() + static_cast<std::ptrdiff_t>(
                                                              std::size_t{y} * from.width * texel));
             }));
@@ -71,6 +74,7 @@ private:
         for (std::uint32_t y = first; y < last; ++y) {
             for (std::uint32_t x = 0; x < shape_.width; ++x)
                 std::memcpy(&line[x * texel], &all[source_of(x, y) * texel], texel);
+            clamped_in_row_ = y == 0 ? clamped : 0;
             row(y, line);
         }
         return {};

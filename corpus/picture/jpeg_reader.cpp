@@ -1,9 +1,12 @@
 #include "corpus/picture/exif.h"
+#include "corpus/picture/icc.h"
 #include "corpus/picture/picture_readers.h"
 
 #include <algorithm>
 #include <csetjmp>
 #include <cstdio> // before jpeglib.h, which needs it
+#include <cstdlib>
+#include <cstring>
 #include <jerror.h>
 #include <jpeglib.h>
 
@@ -46,6 +49,7 @@ public:
         progress_.progress_monitor = watch_scans;
         codec.progress = &progress_;
         jpeg_save_markers(&codec, JPEG_APP0 + 1, 0xFFFF); // EXIF
+        jpeg_save_markers(&codec, JPEG_APP0 + 2, 0xFFFF); // a colour profile
         jpeg_read_header(&codec, TRUE);
         codec.out_color_space = codec.num_components == 1   ? JCS_GRAYSCALE
                                 : codec.num_components == 4 ? JCS_CMYK
@@ -63,6 +67,18 @@ public:
                 found != Orientation::top_left)
                 return found;
         return Orientation::top_left;
+    }
+    // Empty where there is none, or where it is damaged.
+    std::vector<std::byte> profile() {
+        JOCTET* bytes = nullptr;
+        unsigned int length = 0;
+        std::vector<std::byte> copy;
+        if (find_profile(bytes, length)) {
+            copy.resize(length);
+            std::memcpy(copy.data(), bytes, length);
+        }
+        std::free(bytes);
+        return copy;
     }
     std::uint64_t blocks() const {
         return (std::uint64_t{codec.image_width} + 7) / 8 * ((codec.image_height + 7ull) / 8);
@@ -83,6 +99,11 @@ public:
     jpeg_decompress_struct codec{};
 
 private:
+    bool find_profile(JOCTET*& bytes, unsigned int& length) {
+        if (setjmp(jump_))
+            return false;
+        return jpeg_read_icc_profile(&codec, &bytes, &length) == TRUE;
+    }
     static JpegDecoder& of(j_common_ptr codec) {
         return *static_cast<JpegDecoder*>(codec->client_data);
     }
@@ -150,6 +171,9 @@ public:
         JpegDecoder decoder(file_);
         TESSERA_TRY(start(decoder));
         orientation_ = decoder.orientation();
+        if (const auto profile = decoder.profile(); !profile.empty())
+            if (std::string note = icc_note(profile); !note.empty())
+                notes_.push_back(std::move(note));
         // Found now instead of after minutes of decoding. An arithmetic code has no least length.
         if (decoder.blocks() / most_blocks_per_byte > file_.size() && !decoder.codec.arith_code)
             return damaged("JPEG: " + std::to_string(file_.size()) +

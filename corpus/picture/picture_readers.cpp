@@ -3,6 +3,7 @@
 #include "corpus/exr_samples.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace tessera::corpus {
@@ -23,7 +24,70 @@ void integers_to_halves(std::span<const std::byte> row, unsigned bits,
     }
 }
 
+class HeldReader final : public PictureReader {
+public:
+    explicit HeldReader(HeldPicture picture) : picture_(std::move(picture)) {
+        shape_ = picture_.shape;
+        notes_ = std::move(picture_.notes);
+    }
+
+private:
+    Status read(SampleType type, std::uint32_t first, std::uint32_t last,
+                const PictureRow& row) override {
+        const std::size_t line = std::size_t{shape_.width} * shape_.channels;
+        std::vector<std::byte> converted(line * sample_bytes(type));
+        for (std::uint32_t y = first; y < last; ++y) {
+            if (shape_.is_float)
+                clamped_in_row_ = floats_to_samples(
+                    type, std::span(picture_.floats).subspan(y * line, line), converted.data());
+            else
+                convert(type, y * line, line, converted);
+            row(y, converted);
+        }
+        return {};
+    }
+
+    void convert(SampleType type, std::size_t first, std::size_t count,
+                 std::span<std::byte> out) const {
+        const std::size_t bytes = shape_.bits / 8;
+        const auto row = std::span(picture_.integers).subspan(first * bytes, count * bytes);
+        std::vector<std::uint16_t> halves(traits_of(type).is_float ? count : 0);
+        if (!halves.empty()) {
+            integers_to_halves(row, shape_.bits, halves);
+            std::memcpy(out.data(), halves.data(), out.size());
+        } else if (bytes == 1) {
+            std::ranges::copy(row, out.begin());
+        } else {
+            for (std::size_t i = 0; i < count; ++i) {
+                std::uint16_t value = 0;
+                std::memcpy(&value, row.data() + 2 * i, 2);
+                out[i] = static_cast<std::byte>((value + 128u) / 257);
+            }
+        }
+    }
+
+    HeldPicture picture_;
+};
+
 } // namespace
+
+std::unique_ptr<PictureReader> held(HeldPicture picture) {
+    return std::make_unique<HeldReader>(std::move(picture));
+}
+
+std::uint64_t floats_to_samples(SampleType type, std::span<const float> floats,
+                                std::byte* samples) {
+    constexpr float largest = 65504;
+    std::uint64_t clamped = 0;
+    std::vector<std::uint16_t> halves(floats.size());
+    for (std::size_t i = 0; i < floats.size(); ++i) {
+        const bool is_beyond = std::abs(floats[i]) > largest && std::isfinite(floats[i]);
+        clamped += is_beyond ? 1 : 0;
+        halves[i] = float_to_half(is_beyond ? std::copysign(largest, floats[i]) : floats[i]);
+    }
+    halves_to_samples(type, halves, samples);
+    return traits_of(type).is_float ? clamped : 0;
+}
 
 Status check_size(std::uint64_t width, std::uint64_t height) {
     if (width == 0 || height == 0)

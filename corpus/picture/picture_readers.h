@@ -18,12 +18,28 @@ protected:
     virtual Status decode(bool deep, std::uint32_t last, const PictureRow& row) = 0;
 };
 
+// A picture that is held whole.
+struct HeldPicture {
+    PictureShape shape;
+    std::vector<std::byte> integers; // of shape.bits in the machine's byte order, or
+    std::vector<float> floats;       // where shape.is_float
+    std::vector<std::string> notes;  // PictureReader::notes()
+};
+std::unique_ptr<PictureReader> held(HeldPicture picture);
+
+// Converts floats to `type`. Returns how many were beyond the range of halves and became +-65504.
+// Infinities and NaN stay for halves.
+std::uint64_t floats_to_samples(SampleType type, std::span<const float> floats, std::byte* samples);
+
 Result<std::unique_ptr<PictureReader>> open_png(ByteSource& file);
 Result<std::unique_ptr<PictureReader>> open_jpeg(ByteSource& file, Exif exif);
 Result<Image> read_webp(std::span<const std::byte> file);
 Result<Image> read_bmp(std::span<const std::byte> file);
 Result<Image> read_tga(std::span<const std::byte> file);
 Result<LightImage> read_hdr(std::span<const std::byte> file);
+Result<HeldPicture> read_pnm(std::span<const std::byte> file); // PGM and PPM, also as text
+Result<HeldPicture> read_pfm(std::span<const std::byte> file);
+Result<std::unique_ptr<PictureReader>> open_tiff(ByteSource& file, Exif exif);
 
 // Errors: unsupported, where a picture exceeds the limits of decode_image(); invalid_file, where it
 // is empty.

@@ -1,6 +1,8 @@
+#include "corpus/picture/icc.h"
 #include "corpus/picture/picture_readers.h"
 
 #include <bit>
+#include <cmath>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -101,6 +103,7 @@ public:
     Status open() {
         PngDecoder decoder(file_);
         TESSERA_TRY(start(decoder, false));
+        note_colours(decoder);
         // Found now instead of after minutes of decoding.
         if (decoder.packed_row_bytes * shape_.height / best_deflate > file_.size())
             return damaged("PNG: " + std::to_string(file_.size()) +
@@ -122,6 +125,29 @@ private:
             return {ErrorCode::invalid_file, "changed while it was read"};
         shape_ = shape;
         return {};
+    }
+
+    // An sRGB chunk makes the others void.
+    void note_colours(const PngDecoder& decoder) {
+        int intent = 0, method = 0;
+        if (png_get_sRGB(decoder.png, decoder.info, &intent) != 0)
+            return;
+        png_charp name = nullptr;
+        png_bytep profile = nullptr;
+        png_uint_32 length = 0;
+        if (png_get_iCCP(decoder.png, decoder.info, &name, &method, &profile, &length) != 0) {
+            if (std::string note = icc_note(std::as_bytes(std::span(profile, length)), name);
+                !note.empty())
+                notes_.push_back(std::move(note));
+            return;
+        }
+        double gamma = 0;
+        if (png_get_gAMA(decoder.png, decoder.info, &gamma) == 0 || std::abs(gamma - 0.4545) < 0.02)
+            return;
+        char text[80];
+        std::snprintf(text, sizeof text, "the gamma %.4g of a PNG is ignored, sRGB is assumed",
+                      gamma);
+        notes_.emplace_back(text);
     }
 
     Status decode(bool deep, std::uint32_t last, const PictureRow& row) override {

@@ -25,8 +25,9 @@ glm::dvec3 corner(const Model& model, std::uint32_t triangle, std::size_t k) {
     return glm::dvec3(model.vertices[model.triangles[triangle].vertices[k]].position);
 }
 
+// Unlit surfaces are seen in mirrors, but do not light the model as lamps.
 bool emits(const ModelMaterial& m) {
-    return mean_channel(m.emission) > 0.0;
+    return !m.is_unlit && mean_channel(m.emission) > 0.0;
 }
 
 double mean_of_texture(const Model& model, const ModelMaterial& m) {

@@ -25,9 +25,10 @@ Status check(LightImage& image) {
         for (glm::length_t c = 0; c < 3; ++c) {
             float& x = image.texels[i][c];
             if (!std::isfinite(x))
-                return {ErrorCode::invalid_file, "texel " + std::to_string(i % image.width) + ", " +
-                                                     std::to_string(i / image.width) +
-                                                     " is not a number"};
+                return {ErrorCode::invalid_file,
+                        "texel " + std::to_string(i % image.width) + ", " +
+                            std::to_string(i / image.width) +
+                            (std::isnan(x) ? " is not a number" : " is infinite")};
             x = std::max(x, 0.0f);
         }
     return {};
@@ -65,9 +66,9 @@ Environment::Environment(LightImage image) : image_(std::move(image)) {
     }
 }
 
-Result<Environment> Environment::load(const std::string& path) {
+Result<Environment> Environment::load(const std::string& path, const std::string& layer) {
     TESSERA_TRY_ASSIGN(const auto file, open_file(path));
-    TESSERA_TRY_ASSIGN(LightImage image, read_light_image(*file));
+    TESSERA_TRY_ASSIGN(LightImage image, read_light_image(*file, layer));
     TESSERA_TRY(check(image).with_context(path));
     return Environment(std::move(image));
 }

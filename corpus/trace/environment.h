@@ -19,8 +19,9 @@ class Environment {
 public:
     // Precondition: the picture has texels, all of them finite and at least 0.
     explicit Environment(LightImage image);
-    // .exr or .hdr. Errors: io, invalid_file (naming the file and the texel), unsupported.
-    static Result<Environment> load(const std::string& path);
+    // .exr, .hdr or .pfm; `layer` of an EXR as in PictureOptions. Errors: io, invalid_file (naming
+    // the file and the texel), unsupported, bad_argument (the layer).
+    static Result<Environment> load(const std::string& path, const std::string& layer = "");
     // The default light: a bright sky, a softbox and a grey ground.
     static Environment studio();
 

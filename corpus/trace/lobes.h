@@ -21,6 +21,7 @@ struct Lobes {
     glm::dvec3 diffuse{0.0}; // colour; 0 for metal
     glm::dvec3 facing{0.04}; // Fresnel reflectance at normal incidence
     double alpha = 1.0;      // of GGX: the square of the roughness
+    double grazing = 1.0;    // Fresnel reflectance at grazing incidence
 };
 
 inline double fifth(double x) {
@@ -38,7 +39,7 @@ inline glm::dvec3 diffuse_colour(const Lobes& lobes) {
 }
 
 inline glm::dvec3 fresnel(const Lobes& lobes, double cosine) {
-    return lobes.facing + (glm::dvec3(1.0) - lobes.facing) * fifth(1.0 - cosine);
+    return lobes.facing + (glm::dvec3(lobes.grazing) - lobes.facing) * fifth(1.0 - cosine);
 }
 
 // The density of microfacets, per steradian, at this cosine between half vector and normal.

@@ -110,7 +110,65 @@ glm::dvec3 bent_normal(const Model& model, const ModelMaterial& m, const Interpo
     return size > 1e-6 ? bent / size : normal;
 }
 
+glm::dvec3 base_at(const Model& model, const ModelMaterial& m, const Interpolated& at) {
+    return glm::clamp(glm::dvec3(m.base) * glm::dvec3(at.colour) *
+                          glm::dvec3(texture_value(model, m.base_texture, at.uv, true)),
+                      0.0, 1.0);
+}
+
+double largest_of(const glm::dvec3& x) {
+    return std::max({x.x, x.y, x.z});
+}
+
+// The lobes of a place that is no metal. What the mirror takes is not left for diffuse light; the
+// diffuse lobe itself leaves out what a usual mirror takes.
+Lobes dielectric(const glm::dvec3& base, const glm::dvec3& facing, double grazing) {
+    Lobes lobes;
+    lobes.diffuse = base * ((1.0 - largest_of(facing)) / (1.0 - usual_reflectance));
+    lobes.facing = facing;
+    lobes.grazing = grazing;
+    return lobes;
+}
+
+Lobes lobes_at(const Model& model, const ModelMaterial& m, const Interpolated& at) {
+    const glm::dvec3 base = base_at(model, m, at);
+    Lobes lobes;
+    double roughness = m.roughness;
+    if (m.has_glossiness) {
+        const glm::dvec4 colour = texture_value(model, m.metal_roughness_texture, at.uv, true);
+        lobes = dielectric(base, glm::clamp(m.specular_colour * glm::dvec3(colour), 0.0, 1.0), 1.0);
+        roughness = 1.0 - (1.0 - roughness) * colour.a;
+    } else {
+        const glm::dvec4 mr = texture_value(model, m.metal_roughness_texture, at.uv, false);
+        const double metal = std::clamp(m.metal * mr.b, 0.0, 1.0);
+        roughness *= mr.g;
+        const bool is_usual = m.reflectance == usual_reflectance && m.specular == 1.0 &&
+                              m.specular_colour == glm::dvec3(1.0) &&
+                              m.specular_texture.image < 0 && m.specular_colour_texture.image < 0;
+        if (is_usual) {
+            lobes.diffuse = base * (1.0 - metal);
+            lobes.facing = glm::mix(glm::dvec3(usual_reflectance), base, metal);
+        } else {
+            const double weight =
+                m.specular * texture_value(model, m.specular_texture, at.uv, false).a;
+            const glm::dvec3 colour =
+                m.specular_colour *
+                glm::dvec3(texture_value(model, m.specular_colour_texture, at.uv, true));
+            lobes = dielectric(base, glm::min(m.reflectance * colour, glm::dvec3(1.0)) * weight,
+                               weight);
+            lobes.diffuse *= 1.0 - metal;
+            lobes.facing = glm::mix(lobes.facing, base, metal);
+            lobes.grazing = glm::mix(lobes.grazing, 1.0, metal);
+        }
+    }
+    roughness = std::clamp(roughness, least_roughness, 1.0);
+    lobes.alpha = roughness * roughness;
+    return lobes;
+}
+
 glm::dvec3 emission_at(const Model& model, const ModelMaterial& m, const Interpolated& at) {
+    if (m.is_unlit)
+        return base_at(model, m, at) * m.unlit_light;
     return m.emission * glm::dvec3(texture_value(model, m.emission_texture, at.uv, true));
 }
 
@@ -170,7 +228,7 @@ bool RayModel::is_cut_out(const ModelPlace& place) const {
 
 glm::dvec3 RayModel::emission(const ModelPlace& place) const {
     const ModelMaterial& m = model_.materials[model_.triangles[place.triangle].material];
-    if (m.emission_texture.image < 0)
+    if (m.emission_texture.image < 0 && !m.is_unlit)
         return m.emission;
     return emission_at(model_, m, interpolate(model_, place));
 }
@@ -185,16 +243,8 @@ LitPoint RayModel::point(const ModelPlace& place) const {
     p.normal = length > 1e-6 ? at.normal / length : p.face;
     if (m.normal_texture.image >= 0)
         p.normal = bent_normal(model_, m, at, place, p.normal);
-    const glm::dvec3 base =
-        glm::clamp(glm::dvec3(m.base) * glm::dvec3(at.colour) *
-                       glm::dvec3(texture_value(model_, m.base_texture, at.uv, true)),
-                   0.0, 1.0);
-    const glm::dvec4 mr = texture_value(model_, m.metal_roughness_texture, at.uv, false);
-    const double metal = std::clamp(m.metal * mr.b, 0.0, 1.0);
-    const double roughness = std::clamp(m.roughness * mr.g, least_roughness, 1.0);
-    p.lobes.diffuse = base * (1.0 - metal);
-    p.lobes.facing = glm::mix(glm::dvec3(0.04), base, metal);
-    p.lobes.alpha = roughness * roughness;
+    p.lobes =
+        m.is_unlit ? Lobes{glm::dvec3(0.0), glm::dvec3(0.0), 1.0, 0.0} : lobes_at(model_, m, at);
     p.emission = emission_at(model_, m, at);
     return p;
 }

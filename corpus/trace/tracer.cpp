@@ -6,10 +6,11 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr double off = 1e-4;         // rays start this far above a surface, in world units
-constexpr int most_bounces = 8;      // after the first
-constexpr int sure_bounces = 2;      // later ones are subject to Russian roulette
-constexpr double least_alpha = 0.09; // of indirectly seen places
+constexpr double off = 1e-4;          // rays start this far above a surface, in world units
+constexpr int most_bounces = 8;       // after the first
+constexpr int sure_bounces = 2;       // later ones are subject to Russian roulette
+constexpr double least_alpha = 0.09;  // of indirectly seen places
+constexpr std::size_t most_lamps = 8; // of which each path asks for the light
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 double largest_channel(const glm::dvec3& x) {
@@ -88,6 +89,51 @@ Tracer::Tracer(std::shared_ptr<const RayModel> model, ModelLight light)
         shared_ = {1.0 / 3.0, 1.0 / 3.0};
 }
 
+// As the extension KHR_lights_punctual defines it.
+LampLight lamp_light(const ModelLamp& lamp, const glm::dvec3& place) {
+    if (lamp.kind == ModelLamp::Kind::directional)
+        return {-lamp.direction, infinite, lamp.strength};
+    const glm::dvec3 way = lamp.position - place;
+    const double distance = glm::length(way);
+    if (!(distance > off))
+        return {};
+    LampLight light{way / distance, distance, lamp.strength / (distance * distance)};
+    if (lamp.range > 0.0)
+        light.irradiance *= std::clamp(1.0 - std::pow(distance / lamp.range, 4.0), 0.0, 1.0);
+    if (lamp.kind == ModelLamp::Kind::spot) {
+        const double cosine = -glm::dot(light.direction, lamp.direction);
+        const double share = std::clamp((cosine - lamp.outer_cosine) /
+                                            std::max(1e-3, lamp.inner_cosine - lamp.outer_cosine),
+                                        0.0, 1.0);
+        light.irradiance *= share * share;
+    }
+    return light;
+}
+
+template <class Lobe>
+glm::dvec3 Tracer::lamps(const glm::dvec3& start, const Lobe& lobe, PathRandom& random) const {
+    const std::size_t count = light_.lamps.size();
+    glm::dvec3 sum(0.0);
+    const auto add = [&](const ModelLamp& lamp, double weight) {
+        const LampLight light = lamp_light(lamp, start);
+        const glm::dvec3 share = lobe(light.direction).share * light.irradiance * weight;
+        if (largest_channel(share) > 0.0 &&
+            !model_->is_blocked(start, light.direction, std::max(light.distance - off, 0.0)))
+            sum += share;
+    };
+    if (count <= most_lamps) {
+        for (const ModelLamp& lamp : light_.lamps)
+            add(lamp, 1.0);
+        return sum;
+    }
+    for (std::size_t i = 0; i < most_lamps; ++i) {
+        const auto chosen = static_cast<std::size_t>(random.next() * static_cast<double>(count));
+        add(light_.lamps[std::min(chosen, count - 1)],
+            static_cast<double>(count) / static_cast<double>(most_lamps));
+    }
+    return sum;
+}
+
 LitPoint Tracer::facing(LitPoint point, const glm::dvec3& view) {
     constexpr double least = 0.02;
     if (const double cosine = glm::dot(point.normal, view); cosine < least)
@@ -95,7 +141,7 @@ LitPoint Tracer::facing(LitPoint point, const glm::dvec3& view) {
     return point;
 }
 
-// Light from the sun, from a sampled direction of the environment and from a sampled place of an
+// Light from the sun and lamps, from a sampled direction of the environment and from a sampled place of an
 // emitting triangle. The directions of the lobe meet the latter two, too, in arriving(); the balance
 // heuristic weights both.
 template <class Lobe>
@@ -118,7 +164,7 @@ glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& r
     }
     if (light_.sun)
         add(light_.sun->irradiance, light_.sun->direction, lobe(light_.sun->direction).share);
-    return sum;
+    return sum + lamps(start, lobe, random);
 }
 
 template <class Lobe>
@@ -209,6 +255,7 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
         if (largest_channel(share) > 0.0 && !model_->is_blocked(start, light_.sun->direction))
             sum += share * light_.sun->irradiance / own;
     }
+    sum += lamps(start, lobe, random) / own;
     const glm::dvec3 l = sample_ggx(faced.lobes.alpha, faced.normal, view, random.next2());
     if (const Thrown thrown = lobe(l); thrown.density > 0.0) {
         const Hit hit = model_->first_hit(start, l);
@@ -218,8 +265,9 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
     return sum;
 }
 
-bool Tracer::is_shadowed(const LitPoint& point, const glm::dvec3& direction) const {
-    return glm::dot(point.face, direction) <= 0.0 || model_->is_blocked(start_of(point), direction);
+bool Tracer::is_shadowed(const LitPoint& point, const glm::dvec3& direction, double reach) const {
+    return glm::dot(point.face, direction) <= 0.0 ||
+           model_->is_blocked(start_of(point), direction, std::max(reach - off, 0.0));
 }
 
 glm::dvec3 Tracer::from(const LitPoint& point, const glm::dvec3& direction, bool distant,

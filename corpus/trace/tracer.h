@@ -16,8 +16,17 @@ struct Sun {
 
 struct ModelLight {
     std::shared_ptr<const Environment> environment; // never null
-    std::optional<Sun> sun;
+    std::optional<Sun> sun{};
+    std::vector<ModelLamp> lamps{};
 };
+
+// The light of a lamp that arrives at a place, if nothing is between them.
+struct LampLight {
+    glm::dvec3 direction{0, 1, 0}; // unit vector towards the lamp
+    double distance = std::numeric_limits<double>::infinity();
+    glm::dvec3 irradiance{0.0}; // on a surface that faces the lamp
+};
+LampLight lamp_light(const ModelLamp& lamp, const glm::dvec3& place);
 
 // A model in its light. Each function returns the estimate of one path. Estimates are unbiased with
 // one exception: indirectly seen places have a roughness of at least 0.3, because otherwise a few
@@ -28,8 +37,9 @@ public:
 
     const RayModel& model() const { return *model_; }
     const ModelLight& light() const { return light_; }
-    // Whether light from far away in this direction does not reach the point.
-    bool is_shadowed(const LitPoint& point, const glm::dvec3& direction) const;
+    // Whether light from this direction, `reach` away, does not reach the point.
+    bool is_shadowed(const LitPoint& point, const glm::dvec3& direction,
+                     double reach = std::numeric_limits<double>::infinity()) const;
 
     // Diffuse light that leaves the point, without the factor bend() of the view's cosine.
     glm::dvec3 diffuse(const LitPoint& point, PathRandom& random) const;
@@ -80,6 +90,11 @@ private:
                          PathRandom& random) const;
     template <class Lobe>
     glm::dvec3 direct(const LitPoint& point, const Lobe& lobe, PathRandom& random) const;
+
+    // Light of the lamps that is not blocked on its way to `start`, times the lobe. Many lamps are
+    // sampled.
+    template <class Lobe>
+    glm::dvec3 lamps(const glm::dvec3& start, const Lobe& lobe, PathRandom& random) const;
 
     std::shared_ptr<const RayModel> model_;
     ModelLight light_;

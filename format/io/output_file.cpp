@@ -1,5 +1,6 @@
 #include "format/output_file.h"
 
+#include "format/io/output_target.h"
 #include "format/io/system_calls.h"
 #include "format/io/unfinished.h"
 
@@ -20,9 +21,14 @@ using sys::system_error;
 // device would replace it.
 Status check_target(const std::string& path) {
     struct stat info = {};
-    if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode))
+    if (::stat(path.c_str(), &info) != 0)
+        return {};
+    if (!S_ISREG(info.st_mode))
         return {ErrorCode::io, path + ": cannot write: it is " +
                                    (S_ISDIR(info.st_mode) ? "a directory" : "not a regular file")};
+    // The rename would replace it nevertheless. Root may write everything, but means no such file.
+    if ((info.st_mode & 0222) == 0 || ::access(path.c_str(), W_OK) != 0)
+        return {ErrorCode::io, path + ": cannot write: the file is read-only"};
     return {};
 }
 
@@ -38,6 +44,7 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
     if (this != &other) {
         discard();
         path_ = std::move(other.path_);
+        target_ = std::move(other.target_);
         temporary_ = std::move(other.temporary_);
         descriptor_ = std::exchange(other.descriptor_, -1);
         appended_ = std::exchange(other.appended_, 0);
@@ -59,19 +66,22 @@ void OutputFile::discard() {
 
 Result<OutputFile> OutputFile::create(const std::string& path) {
     TESSERA_TRY(check_target(path));
+    TESSERA_TRY_ASSIGN(const std::string target, output_target(path));
     // A killed run may have left its temporary file, and process numbers are reused.
     constexpr int attempts = 100;
     const auto held = hold_unfinished(); // no file may exist without being noted
     for (int attempt = 0; attempt < attempts; ++attempt) {
         OutputFile file;
         file.path_ = path;
-        file.temporary_ = path + "." + std::to_string(::getpid());
+        file.target_ = target;
+        file.temporary_ = target + "." + std::to_string(::getpid());
         if (attempt > 0)
             file.temporary_.append("-").append(std::to_string(attempt));
         file.temporary_ += ".tmp";
         file.descriptor_ = sys::open(file.temporary_.c_str(), create_flags, 0666);
         if (file.descriptor_ >= 0) {
             note_unfinished(file.temporary_);
+            keep_mode_and_owner(file.descriptor_, target);
             return file;
         }
         if (errno != EEXIST)
@@ -82,8 +92,12 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
 
 Result<OutputFile> OutputFile::create(const std::string& path, const std::string& temporary) {
     TESSERA_TRY(check_target(path));
+    TESSERA_TRY_ASSIGN(const std::string target, output_target(path));
+    if (target != path) // perhaps on another file system
+        return create(path);
     OutputFile file;
     file.path_ = path;
+    file.target_ = target;
     file.temporary_ = temporary;
     ::unlink(temporary.c_str());
     const auto held = hold_unfinished();
@@ -91,6 +105,7 @@ Result<OutputFile> OutputFile::create(const std::string& path, const std::string
     if (file.descriptor_ < 0)
         return system_error(path, "cannot create " + temporary, errno);
     note_unfinished(temporary);
+    keep_mode_and_owner(file.descriptor_, target);
     return file;
 }
 
@@ -118,7 +133,7 @@ Status OutputFile::commit() {
     // Some file systems report a failed write only here.
     int error = sys::close(std::exchange(descriptor_, -1)) < 0 ? errno : 0;
     const auto held = hold_unfinished();
-    if (error == 0 && sys::rename(temporary_.c_str(), path_.c_str()) < 0) {
+    if (error == 0 && sys::rename(temporary_.c_str(), target_.c_str()) < 0) {
         error = errno;
         what = "cannot rename " + temporary_ + " to it";
     }

@@ -1,3 +1,4 @@
+#include "format/io/output_target.h"
 #include "format/io/system_calls.h"
 #include "format/io/unfinished.h"
 #include "format/output_file.h"
@@ -21,12 +22,14 @@ std::string beside(const std::string& path, const char* suffix) {
 } // namespace
 
 OutputFolder::OutputFolder(OutputFolder&& other) noexcept
-    : path_(std::move(other.path_)), temporary_(std::exchange(other.temporary_, {})) {}
+    : path_(std::move(other.path_)), target_(std::move(other.target_)),
+      temporary_(std::exchange(other.temporary_, {})) {}
 
 OutputFolder& OutputFolder::operator=(OutputFolder&& other) noexcept {
     if (this != &other) {
         discard();
         path_ = std::move(other.path_);
+        target_ = std::move(other.target_);
         temporary_ = std::exchange(other.temporary_, {});
     }
     return *this;
@@ -47,7 +50,8 @@ void OutputFolder::discard() {
 
 Result<OutputFolder> OutputFolder::create(const std::string& path) {
     OutputFolder folder;
-    const std::string temporary = beside(path, ".tmp");
+    TESSERA_TRY_ASSIGN(folder.target_, output_target(path));
+    const std::string temporary = beside(folder.target_, ".tmp");
     const auto held = hold_unfinished(); // no folder may exist without being noted
     if (sys::mkdir(temporary.c_str(), 0777) < 0)
         return sys::system_error(path, "cannot create " + temporary, errno);
@@ -62,6 +66,7 @@ Status OutputFolder::add(const std::string& name, std::span<const std::byte> byt
     const int file = sys::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (file < 0)
         return sys::system_error(path, "cannot create", errno);
+    keep_mode_and_owner(file, target_ + "/" + name);
     Status status = sys::write_all(file, path, bytes, 0);
     if (sys::close(file) < 0 && status.ok())
         status = sys::system_error(path, "cannot write", errno);
@@ -70,15 +75,19 @@ Status OutputFolder::add(const std::string& name, std::span<const std::byte> byt
 
 Status OutputFolder::commit() {
     std::error_code ignored;
-    const std::string old = beside(path_, ".old");
-    const bool replacing = fs::exists(path_, ignored);
+    const std::string old = beside(target_, ".old");
+    const bool replacing = fs::exists(target_, ignored);
+    if (const int own = ::open(temporary_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); own >= 0) {
+        keep_mode_and_owner(own, target_);
+        ::close(own);
+    }
     const auto held = hold_unfinished(); // between the two renames no folder has the final name
-    if (replacing && sys::rename(path_.c_str(), old.c_str()) < 0)
+    if (replacing && sys::rename(target_.c_str(), old.c_str()) < 0)
         return sys::system_error(path_, "cannot rename it to " + old, errno);
-    if (sys::rename(temporary_.c_str(), path_.c_str()) < 0) {
+    if (sys::rename(temporary_.c_str(), target_.c_str()) < 0) {
         const int error = errno;
         if (replacing) // not sys::rename(), which tests make fail: this undoes the first rename
-            fs::rename(old, path_, ignored);
+            fs::rename(old, target_, ignored);
         return sys::system_error(path_, "cannot rename " + temporary_ + " to it", error);
     }
     forget_unfinished(temporary_);

@@ -1,8 +1,9 @@
 // Tests what glTF files of other programs have: features that are read, and those that are noted.
-#include "corpus/trace/ray_model.h"
+#include "corpus/trace/tracer.h"
 #include "tests/support/model_files.h"
 
 #include <algorithm>
+#include <meshoptimizer.h>
 #include <numbers>
 
 namespace tessera::corpus {
@@ -188,6 +189,202 @@ TEST_F(Gltf, WhatIsIgnoredIsNamedAndCounted) {
             return note.find(words) != std::string::npos;
         })) << words;
     EXPECT_EQ(model->notes.size(), 5u);
+}
+
+// The first triangle's material at its middle.
+LitPoint middle_of(const Model& model) {
+    const auto rays = RayModel::make(model);
+    EXPECT_TRUE(rays.ok());
+    return (*rays)->point({0, {1 / 3.0, 1 / 3.0}});
+}
+
+GltfText with_material(const std::string& material) {
+    GltfText text;
+    text.primitive = R"(,"material":0)";
+    text.more = R"(,"materials":[)" + material + "]";
+    return text;
+}
+
+TEST_F(Gltf, IndexOfRefractionAndSpecular) {
+    const auto lobes = [&](const std::string& extensions, double metal = 0.0) {
+        const auto model = load(with_material(
+            R"({"pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,1,1],"metallicFactor":)" +
+            std::to_string(metal) + R"(},"extensions":{)" + extensions + "}}"));
+        EXPECT_TRUE(model.ok()) << model.status().message();
+        EXPECT_TRUE(model.ok() && model->notes.empty());
+        return model.ok() ? middle_of(*model).lobes : Lobes();
+    };
+    const Lobes usual = lobes("");
+    EXPECT_EQ(usual.facing, glm::dvec3(0.04));
+    EXPECT_EQ(lobes(R"("KHR_materials_ior":{"ior":1.5})").facing.x, 0.04);
+    const Lobes diamond = lobes(R"("KHR_materials_ior":{"ior":2.4})");
+    EXPECT_NEAR(diamond.facing.x, std::pow(1.4 / 3.4, 2), 1e-12);
+    EXPECT_NEAR(diamond.diffuse.x, 0.5 * (1 - diamond.facing.x) / 0.96, 1e-6);
+    EXPECT_EQ(lobes(R"("KHR_materials_ior":{"ior":0})").facing.x, 1.0);
+    const Lobes weak =
+        lobes(R"("KHR_materials_specular":{"specularFactor":0.5,"specularColorFactor":[1,2,0]})");
+    EXPECT_NEAR(glm::distance(weak.facing, glm::dvec3(0.02, 0.04, 0)), 0, 1e-12);
+    EXPECT_EQ(weak.grazing, 0.5);
+    EXPECT_NEAR(fresnel(weak, 0.0).x, 0.5, 1e-12);
+    const Lobes metal = lobes(R"("KHR_materials_specular":{"specularFactor":0})", 1.0);
+    EXPECT_NEAR(glm::distance(metal.facing, glm::dvec3(0.5, 0.25, 1)), 0, 1e-6);
+    EXPECT_EQ(metal.grazing, 1.0);
+    EXPECT_EQ(metal.diffuse, glm::dvec3(0.0));
+}
+
+TEST_F(Gltf, SpecularTexturesAreSampled) {
+    Model model = cube_model();
+    model.images.push_back({1, 1, {{255, 0, 188, 51}}});
+    model.materials[0].metal = 0;
+    model.materials[0].specular_texture.image = 0;
+    model.materials[0].specular_colour_texture.image = 0;
+    const Lobes lobes = middle_of(model).lobes;
+    EXPECT_NEAR(lobes.grazing, 0.2, 1e-9);
+    EXPECT_NEAR(glm::distance(lobes.facing, 0.04 * 0.2 * glm::dvec3(1, 0, 0.503)), 0, 1e-4);
+}
+
+TEST_F(Gltf, SpecularAndGlossiness) {
+    const auto model = load(with_material(
+        R"({"extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[0.5,0.25,1,0.75],)"
+        R"("specularFactor":[0.2,0.1,0],"glossinessFactor":0.6}}})"));
+    ASSERT_TRUE(model.ok()) << model.status().message();
+    EXPECT_TRUE(model->notes.empty());
+    EXPECT_EQ(material_of(*model).base.a, 0.75);
+    const Lobes lobes = middle_of(*model).lobes;
+    EXPECT_NEAR(glm::distance(lobes.facing, glm::dvec3(0.2, 0.1, 0)), 0, 1e-12);
+    EXPECT_NEAR(glm::distance(lobes.diffuse, glm::dvec3(0.5, 0.25, 1) * (0.8 / 0.96)), 0, 1e-6);
+    EXPECT_NEAR(lobes.alpha, 0.16, 1e-9);
+    Model textured = *model;
+    textured.images.push_back({1, 1, {{255, 0, 188, 51}}});
+    textured.materials[textured.triangles[0].material].metal_roughness_texture.image = 0;
+    const Lobes sampled = middle_of(textured).lobes;
+    EXPECT_NEAR(glm::distance(sampled.facing, glm::dvec3(0.2, 0, 0)), 0, 1e-4);
+    EXPECT_NEAR(sampled.alpha, std::pow(1 - 0.6 * 0.2, 2), 1e-9);
+}
+
+TEST_F(Gltf, UnlitMaterialsEmitTheirColour) {
+    const auto model =
+        load(with_material(R"({"pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,1,1]},)"
+                           R"("extensions":{"KHR_materials_unlit":{}}})"));
+    ASSERT_TRUE(model.ok()) << model.status().message();
+    EXPECT_TRUE(model->notes.empty());
+    Model bright = *model;
+    bright.materials[bright.triangles[0].material].unlit_light = 3.0;
+    const LitPoint point = middle_of(bright);
+    EXPECT_NEAR(glm::distance(point.emission, glm::dvec3(1.5, 0.75, 3)), 0, 1e-6);
+    EXPECT_EQ(point.lobes.diffuse, glm::dvec3(0.0));
+    EXPECT_EQ(fresnel(point.lobes, 0.0), glm::dvec3(0.0));
+    const auto rays = RayModel::make(bright);
+    ASSERT_TRUE(rays.ok());
+    EXPECT_NEAR((*rays)->emission({0, {0.2, 0.2}}).x, 1.5, 1e-6);
+    EXPECT_TRUE(Emitters(*rays).empty());
+}
+
+// Lamps move and grow with the model, whose radius becomes 3.5.
+TEST_F(Gltf, LightsArePlacedAndScaled) {
+    GltfText text;
+    text.nodes = R"({"mesh":0,"children":[1,2,3,4]},)"
+                 R"({"translation":[0.5,0.5,2],"extensions":{"KHR_lights_punctual":{"light":0}}},)"
+                 R"({"rotation":[0.7071067811865476,0,0,0.7071067811865476],)"
+                 R"("extensions":{"KHR_lights_punctual":{"light":1}}},)"
+                 R"({"extensions":{"KHR_lights_punctual":{"light":2}}},)"
+                 R"({"extensions":{"KHR_lights_punctual":{"light":3}}})";
+    text.more =
+        R"(,"extensionsRequired":["KHR_lights_punctual"],"extensionsUsed":["KHR_lights_punctual"],)"
+        R"("extensions":{"KHR_lights_punctual":{"lights":[)"
+        R"({"type":"point","color":[1,0.5,0],"intensity":8,"range":10},)"
+        R"({"type":"directional","intensity":3},)"
+        R"({"type":"spot","spot":{"innerConeAngle":0.2,"outerConeAngle":0.5}},)"
+        R"({"type":"point","intensity":0}]}})";
+    const Model model = load_with_note(text, "skipped 1 light without any intensity");
+    ASSERT_EQ(model.lamps.size(), 3u);
+    const double scale = 3.5 / std::sqrt(0.5);
+    const ModelLamp& point = model.lamps[0];
+    EXPECT_EQ(point.kind, ModelLamp::Kind::point);
+    EXPECT_NEAR(glm::distance(point.position, {0, 0, 2 * scale}), 0, 1e-5);
+    EXPECT_NEAR(glm::distance(point.strength, glm::dvec3(8, 4, 0) * scale * scale), 0, 1e-3);
+    EXPECT_NEAR(point.range, 10 * scale, 1e-4);
+    // On the triangle's middle arrives what the file states: 8 / 2^2.
+    const LampLight light = lamp_light(point, {0, 0, 0});
+    EXPECT_NEAR(light.irradiance.x, 2 * (1 - std::pow(0.2, 4)), 1e-5);
+    EXPECT_NEAR(glm::distance(light.direction, {0, 0, 1}), 0, 1e-5);
+    EXPECT_EQ(lamp_light(point, {0, 0, -100}).irradiance, glm::dvec3(0.0));
+    const ModelLamp& sun = model.lamps[1];
+    EXPECT_EQ(sun.kind, ModelLamp::Kind::directional);
+    EXPECT_NEAR(glm::distance(sun.direction, {0, 1, 0}), 0, 1e-6); // turned from -z
+    EXPECT_EQ(lamp_light(sun, {9, 9, 9}).irradiance, glm::dvec3(3.0));
+    EXPECT_NEAR(glm::distance(lamp_light(sun, {9, 9, 9}).direction, {0, -1, 0}), 0, 1e-6);
+    const ModelLamp& spot = model.lamps[2];
+    const auto from_axis = [&](double angle) { // at a distance of 1 in the file's units
+        const glm::dvec3 way{std::sin(angle), 0, -std::cos(angle)};
+        return lamp_light(spot, spot.position + way * scale).irradiance.x;
+    };
+    EXPECT_NEAR(from_axis(0.1), 1, 1e-4);
+    EXPECT_EQ(from_axis(0.51), 0);
+    const double share = (std::cos(0.4) - std::cos(0.5)) / (std::cos(0.2) - std::cos(0.5));
+    EXPECT_NEAR(from_axis(0.4), share * share, 1e-4);
+}
+
+// A view that meshoptimizer compressed, beside a buffer that only stands in for its bytes.
+TEST_F(Gltf, ViewsThatMeshoptimizerCompressed) {
+    const std::vector<float> positions{0, 0, 0, 2, 0, 0, 0, 1, 0, 2, 1, 0};
+    const std::vector<std::uint32_t> indices{0, 1, 2, 2, 1, 3};
+    std::vector<unsigned char> vertices(meshopt_encodeVertexBufferBound(4, 12)),
+        triangles(meshopt_encodeIndexBufferBound(6, 4));
+    vertices.resize(
+        meshopt_encodeVertexBuffer(vertices.data(), vertices.size(), positions.data(), 4, 12));
+    triangles.resize(
+        meshopt_encodeIndexBuffer(triangles.data(), triangles.size(), indices.data(), 6));
+    const auto text = [&](const std::string& mode, std::size_t cut = 0) {
+        std::vector<unsigned char> bytes(vertices.begin(),
+                                         vertices.end() - static_cast<std::ptrdiff_t>(cut));
+        bytes.resize((bytes.size() + 3) / 4 * 4);
+        const std::size_t second = bytes.size();
+        bytes.insert(bytes.end(), triangles.begin(), triangles.end());
+        const auto view = [](std::size_t offset, std::size_t length, const std::string& more) {
+            return R"({"buffer":0,"byteOffset":)" + std::to_string(offset) + R"(,"byteLength":)" +
+                   std::to_string(length) + more + "}";
+        };
+        const auto extension = [&](std::size_t offset, std::size_t length,
+                                   const std::string& more) {
+            return R"(,"extensions":{"EXT_meshopt_compression":{"buffer":1,"byteOffset":)" +
+                   std::to_string(offset) + R"(,"byteLength":)" + std::to_string(length) + more +
+                   "}}";
+        };
+        return R"({"asset":{"version":"2.0"},"extensionsRequired":["EXT_meshopt_compression"],)"
+               R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"buffers":[{"byteLength":72,)"
+               R"("extensions":{"EXT_meshopt_compression":{"fallback":true}}},{"byteLength":)" +
+               std::to_string(bytes.size()) + R"(,"uri":"data:application/octet-stream;base64,)" +
+               base64_of(bytes) + R"("}],"bufferViews":[)" +
+               view(0, 48,
+                    extension(0, vertices.size() - cut,
+                              R"(,"byteStride":12,"count":4,"mode":")" + mode + R"(")")) +
+               "," +
+               view(48, 24,
+                    extension(second, triangles.size(),
+                              R"(,"byteStride":4,"count":6,"mode":"TRIANGLES")")) +
+               R"(],"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":4},)"
+               R"({"bufferView":1,"componentType":5125,"type":"SCALAR","count":6}],)"
+               R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}]})";
+    };
+    const auto model = load_model(file("m.gltf", text("ATTRIBUTES")));
+    ASSERT_TRUE(model.ok()) << model.status().message();
+    EXPECT_TRUE(model->notes.empty());
+    ASSERT_EQ(model->triangles.size(), 2u);
+    const double scale = 3.5 / std::sqrt(1.25);
+    EXPECT_NEAR(glm::distance(model->vertices[0].position, glm::vec3(-scale, -scale / 2, 0)), 0,
+                1e-5);
+    EXPECT_NEAR(glm::distance(model->vertices.back().position, glm::vec3(scale, scale / 2, 0)), 0,
+                1e-5);
+    for (const auto& [bad, words] :
+         {std::pair(text("ATTRIBUTES", 5), "mode ATTRIBUTES: damaged"),
+          std::pair(text("TRIANGLES"), "cannot have elements of 12 bytes"),
+          std::pair(text("OTHER"), "cannot have elements of 12 bytes")}) {
+        const auto refused = load_model(file("m.gltf", bad));
+        EXPECT_EQ(refused.status().code(), ErrorCode::invalid_file) << words;
+        EXPECT_NE(refused.status().message().find(words), std::string::npos)
+            << refused.status().message();
+    }
 }
 
 TEST_F(Gltf, InstancesOfAMesh) {

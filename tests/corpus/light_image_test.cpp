@@ -187,7 +187,7 @@ TEST(HdrLight, RefusesDamagedFiles) {
     const auto format = light_of("#?RADIANCE\nFORMAT=other\n\n-Y 1 +X 1\nabcd");
     EXPECT_EQ(format.status().code(), ErrorCode::unsupported);
     expect_hdr_refused("#?RADIANCE\n" + std::string(5000, 'x'), "too long");
-    expect_hdr_refused("no picture", "not an .hdr or .exr picture");
+    expect_hdr_refused("no picture", "not an .hdr, .exr or .pfm picture");
     const auto large = light_of(hdr_head + "-Y 16384 +X 16384\n" + std::string(99, '\x80'));
     EXPECT_EQ(large.status().code(), ErrorCode::unsupported);
 }

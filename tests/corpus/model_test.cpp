@@ -96,8 +96,8 @@ TEST_F(Models, HostileGltfIsRefused) {
     cycle.nodes = R"({"children":[1]},{"children":[0]})";
     refuse("cycle.gltf", cycle.text(), ErrorCode::invalid_file, "below itself");
     GltfText extension;
-    extension.more = R"(,"extensionsRequired":["EXT_meshopt_compression"])";
-    refuse("ext.gltf", extension.text(), ErrorCode::unsupported, "EXT_meshopt_compression");
+    extension.more = R"(,"extensionsRequired":["KHR_texture_basisu"])";
+    refuse("ext.gltf", extension.text(), ErrorCode::unsupported, "KHR_texture_basisu");
     GltfText draco;
     draco.primitive =
         R"(,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}})";
@@ -327,8 +327,48 @@ TEST_F(Models, NamesOfPicturesInMtl) {
     EXPECT_EQ(m.emission_texture.image, 0);
     EXPECT_EQ(m.normal_texture.image, 0);
     EXPECT_EQ(model->notes,
-              (std::vector<std::string>{"map_bump (2 materials) is not supported and is ignored",
-                                        "map_pr (1 material) is not supported and is ignored"}));
+              std::vector<std::string>{
+                  "map_bump of heights (1 material) is not supported and is ignored"});
+}
+
+// A binary PPM of 1x1 or more pixels of one colour.
+std::string flat_ppm(unsigned side, const std::string& colour) {
+    std::string text = "P6 " + std::to_string(side) + " " + std::to_string(side) + " 255\n";
+    for (unsigned i = 0; i < side * side; ++i)
+        text += colour;
+    return text;
+}
+
+TEST_F(Models, RoughnessMetalAndBumpOfObj) {
+    const std::string triangle = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    file("rough.ppm", flat_ppm(2, "\x40\x40\x40"));
+    file("metal.ppm", flat_ppm(1, "\x80\x80\x80"));
+    file("normal.ppm", flat_ppm(1, "\x80\x80\xff"));
+    file("height.ppm", flat_ppm(1, "\x70\x71\x72"));
+    file("a.mtl", "newmtl m\nPr 0.1\nPm 0.2\nmap_Pr rough.ppm\nmap_Pm -imfchan r metal.ppm\n"
+                  "map_Bump -bm 1.5 normal.ppm\n");
+    auto model = load("a.obj", triangle);
+    ASSERT_TRUE(model.ok()) << model.status().message();
+    EXPECT_TRUE(model->notes.empty());
+    const ModelMaterial& both = model->materials[model->triangles[0].material];
+    EXPECT_EQ(both.roughness, 1.0); // the maps replace the numbers
+    EXPECT_EQ(both.metal, 1.0);
+    const Image& joined =
+        model->images[static_cast<std::size_t>(both.metal_roughness_texture.image)];
+    EXPECT_EQ(joined.width, 2u);
+    for (const auto& texel : joined.texels)
+        EXPECT_EQ(texel, (std::array<std::uint8_t, 4>{255, 0x40, 0x80, 255}));
+    EXPECT_EQ(both.normal_scale, 1.5);
+    EXPECT_EQ(model->images[static_cast<std::size_t>(both.normal_texture.image)].texels[0][2], 255);
+    file("a.mtl", "newmtl m\nPr 0.25\nmap_Pm metal.ppm\nbump height.ppm\n");
+    model = load("a.obj", triangle);
+    ASSERT_TRUE(model.ok()) << model.status().message();
+    const ModelMaterial& one = model->materials[model->triangles[0].material];
+    EXPECT_EQ(one.roughness, 0.25);
+    EXPECT_LT(one.normal_texture.image, 0);
+    EXPECT_EQ(model->notes,
+              std::vector<std::string>{
+                  "map_bump of heights (1 material) is not supported and is ignored"});
 }
 
 TEST_F(Models, FilesOfOtherKindsAreNamed) {

@@ -280,7 +280,7 @@ TEST(PictureFile, ExifTurnsJpegUpright) {
                     << value;
             }
         const auto source = wrap_memory(std::as_bytes(std::span(file)));
-        const auto ignoring = open_picture_file(*source, 0, Exif::ignored);
+        const auto ignoring = open_picture_file(*source, {.exif = Exif::ignored});
         ASSERT_TRUE(ignoring.ok());
         EXPECT_EQ((*ignoring)->shape().width, w);
         expect_no_beginning(file);
@@ -288,8 +288,16 @@ TEST(PictureFile, ExifTurnsJpegUpright) {
 }
 
 TEST(PictureFile, JpegInCmyk) {
-    for (const bool adobe : {false, true}) {
-        const Image image = decoded(jpeg(4, false, adobe));
+    const std::string ycck = write_jpeg(4, 32, 24, [](jpeg_compress_struct& codec) {
+        jpeg_set_colorspace(&codec, JCS_YCCK);
+        codec.comp_info[0].h_samp_factor = codec.comp_info[0].v_samp_factor = 1;
+        codec.comp_info[3].h_samp_factor = codec.comp_info[3].v_samp_factor = 1;
+        codec.write_Adobe_marker = TRUE;
+    });
+    for (const auto& [file, adobe] :
+         {std::pair(jpeg(4, false, false), false), std::pair(jpeg(4, false, true), true),
+          std::pair(ycck, true)}) {
+        const Image image = decoded(file);
         ASSERT_EQ(image.texels.size(), 32u * 24u);
         for (int y = 0; y < 24; ++y)
             for (int x = 0; x < 32; ++x) {
@@ -518,7 +526,7 @@ TEST(PictureFile, RefusesOtherKindsByName) {
     const std::pair<const char*, const char*> kinds[] = {{"GIF89a", "a GIF"},
                                                          {"8BPS", "a PSD"},
                                                          {"\x53\x80\xf6\x34", "a Softimage PIC"},
-                                                         {"P6\n", "a PNM"}};
+                                                         {"P4\n", "a PBM"}};
     for (const auto& [begin, name] : kinds)
         expect_refused(begin + std::string(100, '\1'), ErrorCode::unsupported,
                        std::string("not supported: ") + name + "; convert it to PNG");

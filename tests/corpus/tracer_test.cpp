@@ -149,6 +149,33 @@ TEST(Tracer, SunCastsSharpShadows) {
     EXPECT_LT(mean_leaving(tracer, shaded, glm::normalize(glm::dvec3(1, 0.2, 0))), 1e-3);
 }
 
+// A directional lamp lights like the sun, and a far point like both; each is blocked as they are.
+TEST(Tracer, LampsLightLikeTheSun) {
+    auto rays = RayModel::make(cube_model());
+    ASSERT_TRUE(rays.ok());
+    const glm::dvec3 to_light = glm::normalize(glm::dvec3(1, 2, 0));
+    LitPoint lit = lone_point(0.5, 0.0), shaded = lit;
+    lit.position = {0, 2.001, 0};
+    shaded.position = {-1, -4, 0};
+    const auto mean = [&](const LitPoint& point, const ModelLight& light) {
+        return mean_leaving(Tracer(*rays, light), point, {0, 1, 0});
+    };
+    const auto environment = uniform_environment(0.0f);
+    const double sun = mean(lit, {environment, Sun{to_light, glm::dvec3(2.0)}});
+    ModelLamp lamp{.kind = ModelLamp::Kind::directional, .direction = -to_light};
+    lamp.strength = glm::dvec3(2.0);
+    EXPECT_EQ(mean(lit, {environment, {}, {lamp}}), sun);
+    EXPECT_GT(sun, 0.1);
+    EXPECT_LT(mean(shaded, {environment, {}, {lamp}}), 0.2 * sun);
+    ModelLamp point{.kind = ModelLamp::Kind::point, .position = lit.position + 100.0 * to_light};
+    point.strength = glm::dvec3(2.0 * 100 * 100);
+    EXPECT_NEAR(mean(lit, {environment, {}, {point}}), sun, 1e-3 * sun);
+    EXPECT_LT(mean(shaded, {environment, {}, {point}}), 0.2 * sun);
+    // Many lamps are sampled: the same light in twenty parts.
+    lamp.strength = glm::dvec3(0.1);
+    EXPECT_NEAR(mean(lit, {environment, {}, std::vector<ModelLamp>(20, lamp)}), sun, 1e-6);
+}
+
 // A square lamp of side 2 at a height of 1, which shines downwards, as a model.
 Model lamp_model() {
     Model model;

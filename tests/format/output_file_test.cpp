@@ -86,6 +86,80 @@ TEST_F(Files, RefusesInvalidTargets) {
     EXPECT_EQ(files(), 0);
 }
 
+std::string linked(const std::string& link) {
+    return std::filesystem::read_symlink(link).string();
+}
+
+TEST_F(Files, LinksStayLinks) {
+    std::filesystem::create_directories(path("far"));
+    std::filesystem::create_symlink("far/data", path("link"));
+    std::filesystem::create_symlink(path("link"), path("link2"));
+    for (const std::string text : {"new", "newer"}) { // first what it points to does not exist
+        auto file = OutputFile::create(path("link2"));
+        ASSERT_TRUE(file.ok()) << file.status().message();
+        ASSERT_TRUE(file->append(std::as_bytes(std::span(text))).ok());
+        ASSERT_TRUE(file->commit().ok());
+        EXPECT_EQ(test::slurp(path("far/data")), text);
+    }
+    EXPECT_EQ(linked(path("link")), "far/data");
+    EXPECT_EQ(linked(path("link2")), path("link"));
+    // The same with a temporary name that the caller chooses.
+    auto file = OutputFile::create(path("link"), path("own.tmp"));
+    ASSERT_TRUE(file.ok()) << file.status().message();
+    ASSERT_TRUE(file->commit().ok());
+    EXPECT_EQ(test::slurp(path("far/data")), "");
+    std::filesystem::create_symlink("loop", path("loop"));
+    expect_io_error(OutputFile::create(path("loop")).status(), path("loop"), "link");
+    // A folder.
+    std::filesystem::create_directory_symlink("far", path("views"));
+    auto folder = OutputFolder::create(path("views"));
+    ASSERT_TRUE(folder.ok()) << folder.status().message();
+    ASSERT_TRUE(folder->add("a", {}).ok());
+    ASSERT_TRUE(folder->commit().ok());
+    EXPECT_EQ(linked(path("views")), "far");
+    EXPECT_TRUE(std::filesystem::exists(path("far/a")));
+    EXPECT_FALSE(std::filesystem::exists(path("far/data")));
+}
+
+TEST_F(Files, ReplacedFilesKeepTheirModeAndOwner) {
+    const auto mode_of = [](const std::string& name) {
+        struct stat info = {};
+        EXPECT_EQ(::stat(name.c_str(), &info), 0) << name;
+        return info;
+    };
+    test::spit(path("a"), "old");
+    ASSERT_EQ(::chmod(path("a").c_str(), 0640), 0);
+    const bool is_root = ::geteuid() == 0;
+    if (is_root)
+        ASSERT_EQ(::chown(path("a").c_str(), 1234, 4321), 0);
+    auto file = OutputFile::create(path("a"));
+    ASSERT_TRUE(file.ok()) << file.status().message();
+    ASSERT_TRUE(file->commit().ok());
+    EXPECT_EQ(mode_of(path("a")).st_mode & 07777, 0640u);
+    if (is_root) {
+        EXPECT_EQ(mode_of(path("a")).st_uid, 1234u);
+        EXPECT_EQ(mode_of(path("a")).st_gid, 4321u);
+    }
+    std::filesystem::create_directory(path("f"));
+    test::spit(path("f/x"), "old");
+    ASSERT_EQ(::chmod(path("f/x").c_str(), 0600), 0);
+    ASSERT_EQ(::chmod(path("f").c_str(), 0710), 0);
+    auto folder = OutputFolder::create(path("f"));
+    ASSERT_TRUE(folder.ok()) << folder.status().message();
+    ASSERT_TRUE(folder->add("x", {}).ok());
+    ASSERT_TRUE(folder->commit().ok());
+    EXPECT_EQ(mode_of(path("f")).st_mode & 07777, 0710u);
+    EXPECT_EQ(mode_of(path("f/x")).st_mode & 07777, 0600u);
+}
+
+TEST_F(Files, ReadOnlyFilesAreRefused) {
+    test::spit(path("a"), "old");
+    ASSERT_EQ(::chmod(path("a").c_str(), 0444), 0);
+    expect_io_error(OutputFile::create(path("a")).status(), path("a"), "read-only");
+    EXPECT_EQ(test::slurp(path("a")), "old");
+    EXPECT_EQ(files(), 1);
+}
+
 TEST_F(Files, ReadOnlyFolder) {
     std::filesystem::permissions(folder_, static_cast<std::filesystem::perms>(0555));
     const auto child = [this] {

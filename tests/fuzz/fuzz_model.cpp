@@ -28,6 +28,23 @@ std::vector<Bytes> seeds() {
     with_material.primitive = R"(,"material":0)";
     with_material.more =
         R"(,"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1],"metallicFactor":0.5}}])";
+    corpus::support::GltfText extended;
+    extended.nodes = R"({"mesh":0,"extensions":{"KHR_lights_punctual":{"light":0}}})";
+    extended.primitive = R"(,"material":0)";
+    extended.more =
+        R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","range":3,"color":[1,0,1],)"
+        R"("spot":{"innerConeAngle":0.1,"outerConeAngle":0.5}}]}},"materials":[{"extensions":{)"
+        R"("KHR_materials_unlit":{},"KHR_materials_ior":{"ior":2},"KHR_materials_specular":{)"
+        R"("specularFactor":0.5,"specularColorFactor":[1,0.5,0]},)"
+        R"("KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[1,0,0,1],)"
+        R"("glossinessFactor":0.5}}}])";
+    corpus::support::GltfText compressed; // a sequence of indices by meshoptimizer
+    compressed.views = R"(,{"buffer":1,"byteLength":12,"extensions":{"EXT_meshopt_compression":{)"
+                       R"("buffer":2,"byteLength":8,"byteStride":4,"count":3,"mode":"INDICES"}}})";
+    compressed.buffers =
+        R"(,{"byteLength":8,"uri":"data:application/octet-stream;base64,)" +
+        corpus::support::base64_of(std::vector<unsigned char>{0xd1, 0, 4, 4, 0, 0, 0, 0}) + R"("})";
+    compressed.accessors = R"(,{"bufferView":2,"componentType":5125,"type":"SCALAR","count":3})";
     const std::string json = corpus::support::GltfText().text();
     std::string glb("glTF\2\0\0\0", 8);
     const auto add = [&glb](std::uint32_t n) { glb.append(reinterpret_cast<const char*>(&n), 4); };
@@ -38,6 +55,8 @@ std::vector<Bytes> seeds() {
     return {
         bytes_of("g" + json),
         bytes_of("g" + with_material.text()),
+        bytes_of("g" + extended.text()),
+        bytes_of("g" + compressed.text()),
         bytes_of("b" + glb),
         bytes_of("ov 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"),
         bytes_of(

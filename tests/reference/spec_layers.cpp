@@ -6,7 +6,7 @@
 namespace tessera_reference {
 namespace {
 
-double inner(const Vector& a, const Vector& b) {
+double scalar_product(const Vector& a, const Vector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
@@ -14,8 +14,8 @@ Vector sum(const Vector& a, double k, const Vector& b) {
     return {a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]};
 }
 
-Vector normalised(const Vector& a) {
-    const double length = std::sqrt(inner(a, a));
+Vector of_unit_length(const Vector& a) {
+    const double length = std::sqrt(scalar_product(a, a));
     return {a[0] / length, a[1] / length, a[2] / length};
 }
 
@@ -51,10 +51,10 @@ Vector normal_of(const LayerValues& values, const Frame& frame, const Vector& d)
             y /= root;
         }
         const double z = std::sqrt(std::max(0.0, 1 - x * x - y * y));
-        n = normalised(sum(sum(sum({0, 0, 0}, x, frame.ex), y, frame.ey), z, frame.ez));
+        n = of_unit_length(sum(sum(sum({0, 0, 0}, x, frame.ex), y, frame.ey), z, frame.ez));
     }
-    const double c = inner(n, d);
-    return c < 0.02 ? normalised(sum(n, 0.02 - c, d)) : n;
+    const double c = scalar_product(n, d);
+    return c < 0.02 ? of_unit_length(sum(n, 0.02 - c, d)) : n;
 }
 
 Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) {
@@ -65,7 +65,7 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
             light[i] += values.D[i] + values.R[i];
         return light;
     }
-    const double c = std::clamp(inner(n, d), 0.0, 1.0);
+    const double c = std::clamp(scalar_product(n, d), 0.0, 1.0);
     const double f = 1 - std::pow(1 - c / 2, 5);
     const double q = std::max(values.r, 0.03), a = q * q;
     double m = 0;
@@ -75,7 +75,7 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
         light[i] += f * values.D[i] + share(c, q, values.G[i]) * values.R[i];
     for (std::size_t j = 0; j < values.lights.size(); ++j) {
         const Light& l = values.lights[j];
-        const double nl = inner(n, l.direction), nd = inner(n, d);
+        const double nl = scalar_product(n, l.direction), nd = scalar_product(n, d);
         if (nl <= 0 || nd <= 0)
             continue;
         double V = 1;
@@ -84,16 +84,16 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
             const double p = m > 0 ? std::max(1.0 / 51, std::sqrt(mj / m)) : 1;
             V = std::min(1.0, values.x[j] / p);
         }
-        const Vector h = normalised(sum(l.direction, 1, d));
-        const double nh = std::min(1.0, inner(n, h));
+        const Vector h = of_unit_length(sum(l.direction, 1, d));
+        const double nh = std::min(1.0, scalar_product(n, h));
         const double A = std::min(1.0, a * a + std::pow(0.75 * l.spread, 2));
         const double pi = 3.14159265358979323846;
         const double Q = A / (pi * std::pow(nh * nh * (A - 1) + 1, 2));
         const double W = 1 / (2 * nl * std::sqrt(a * a + (1 - a * a) * c * c) +
                               2 * c * std::sqrt(a * a + (1 - a * a) * nl * nl));
         for (std::size_t i = 0; i < 3; ++i) {
-            const double F =
-                values.G[i] + (1 - values.G[i]) * std::pow(1 - std::max(0.0, inner(d, h)), 5);
+            const double F = values.G[i] + (1 - values.G[i]) *
+                                               std::pow(1 - std::max(0.0, scalar_product(d, h)), 5);
             light[i] += V * F * Q * W * nl * l.irradiance[i];
         }
     }
@@ -120,8 +120,8 @@ Light read_light(Bytes bytes) {
     }
     light.spread = half(u16(bytes, 6));
     require(light.spread >= 0 && light.spread <= 3.14159265358979323846, "LAYR: spread");
-    require(inner(light.direction, light.direction) > 0, "LAYR: direction");
-    light.direction = normalised(light.direction);
+    require(scalar_product(light.direction, light.direction) > 0, "LAYR: direction");
+    light.direction = of_unit_length(light.direction);
     return light;
 }
 

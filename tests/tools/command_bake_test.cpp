@@ -87,8 +87,8 @@ TEST_F(BakeVerb, SaysThatAMaterialFileIsMissing) {
     const Outcome o = run("bake roof.obj --density 1 --directions 1x1 --tile 8x8x1x1 --spp 1 "
                           "--effort 0 -q -o a.tess");
     EXPECT_EQ(o.code, 0);
-    EXPECT_EQ(o.err, "tessera bake: note: roof.obj: the material file 'gone.mtl' is missing; its "
-                     "materials are grey\n");
+    EXPECT_EQ(o.err, "tessera bake: warning: the material file 'gone.mtl' is missing; its "
+                     "materials are grey (in roof.obj)\n");
 }
 
 TEST_F(BakeVerb, RefusesOptionsThatDoNotGoTogether) {

@@ -2,10 +2,13 @@
 #include "tests/support/cli_fixture.h"
 #include "tests/support/cli_scenes.h"
 
+#include <fcntl.h>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <sys/file.h>
+#include <unistd.h>
 
 namespace {
 
@@ -182,10 +185,61 @@ TEST_F(EncodeVerb, HandlesHdr) {
     spit(at("n.gray16f"), half);
     const Outcome o = run("encode n.gray16f --size 2x2x1x1 -o n.tess --max-error 0");
     EXPECT_EQ(o.code, 0) << o.err;
-    EXPECT_NE(o.out.find("1 NaN replaced by 0, 2 infinities"), std::string::npos) << o.out;
+    EXPECT_EQ(o.err, "tessera encode: warning: NaN became 0\n"
+                     "tessera encode: warning: infinities became +-65504 (2 times)\n");
     fail(3, "encode n.gray16f --size 2x2x1x1 -o m.tess --strict",
          {"n.gray16f", "texel u 0, v 0, s 0, t 0, channel 0 is NaN"});
     EXPECT_FALSE(fs::exists(at("m.tess")));
+}
+
+TEST_F(EncodeVerb, ReplacesItsInputOnlyOnPurpose) {
+    spit(at("a.rgb"), std::string(8 * 8 * 3, '\x33'));
+    succeed("encode a.rgb --size 8x8x1x1 -q -o a.tess");
+    fs::create_symlink("a.tess", at("b.tess"));
+    const std::string before = slurp(at("a.tess"));
+    for (const char* output : {"a.tess", "./a.tess", "b.tess"})
+        fail(1, std::string("encode a.tess -o ") + output, {output, "is the input", "--in-place"});
+    EXPECT_EQ(slurp(at("a.tess")), before);
+    succeed("encode a.tess -q --meta key=text --in-place -o b.tess");
+    EXPECT_TRUE(fs::is_symlink(at("b.tess")));
+    EXPECT_EQ(json("info a.tess --json")["metadata"]["key"], "text");
+}
+
+// Found before an input is read, which would take minutes.
+TEST_F(EncodeVerb, ChecksItsOutputFirst) {
+    spit(at("a.rgb"), std::string(8 * 8 * 3, '\x33'));
+    const std::string missing = "encode gone.rgb --size 8x8x1x1 -o ";
+    spit(at("old.tess"), "old");
+    fs::permissions(at("old.tess"), fs::perms::owner_read);
+    fail(2, missing + "old.tess", {"old.tess", "read-only"});
+    fs::create_directories(at("w.tess.journal"));
+    const int lock = ::open(at("w.tess.journal/lock").c_str(), O_RDWR | O_CREAT, 0600);
+    ASSERT_GE(lock, 0);
+    ASSERT_EQ(::flock(lock, LOCK_EX), 0);
+    fail(2, missing + "w.tess", {"w.tess", "another process is writing"});
+    ::close(lock);
+    fail(2, missing + "w.tess", {"gone.rgb"});
+}
+
+// What the input states in vain is listed at the end, is in the JSON, or is an error.
+TEST_F(EncodeVerb, CountsWarnings) {
+    const float values[] = {1e6f, 2, 3, -1e7f};
+    fs::create_directories(at("f"));
+    for (const char* name : {"p1.pfm", "p2.pfm", "p3.pfm", "p4.pfm"})
+        spit(at(fs::path("f") / name),
+             "Pf 4 1 -1\n" + std::string(reinterpret_cast<const char*>(values), 16));
+    const std::string command = "encode f/ --lossless -o f.tess";
+    const Outcome o = run(command);
+    EXPECT_EQ(o.code, 0) << o.err;
+    EXPECT_EQ(o.err, "tessera encode: warning: samples beyond +-65504, the range of half floats, "
+                     "became +-65504 (8 times, first in f/p1.pfm)\n");
+    const Outcome j = run(command + " --json");
+    const Json list = Json::parse(j.out)["warnings"];
+    ASSERT_EQ(list.size(), 1u) << j.out;
+    EXPECT_EQ(list[0]["count"], 8);
+    EXPECT_EQ(list[0]["first"], "f/p1.pfm");
+    fail(5, command + " --strict", {"f/p1.pfm", "beyond +-65504", "--strict"});
+    EXPECT_EQ(json("encode f/ --lossless -o g.tess --type unorm8 --json")["warnings"].size(), 0u);
 }
 
 // Views as cameras deliver them: the tool reports how it reads them, and they can be drawn.

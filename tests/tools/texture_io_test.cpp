@@ -3,6 +3,7 @@
 #include "format/work.h"
 #include "tests/support/test_folder.h"
 #include "tools/support/copy_texture.h"
+#include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/texture_io/texture_io.h"
 
@@ -487,6 +488,13 @@ TEST_F(ImageIo, RefusesReadOnlyFolders) {
     for (const std::string name : {"x.rgb", "x.exr", "views/"})
         EXPECT_EQ(write(texture, path(name)).code(), ErrorCode::io) << name;
     fs::permissions(folder_, fs::perms::owner_all);
+}
+
+TEST_F(ImageIo, RefusesMoreThanTheDiskHolds) {
+    EXPECT_TRUE(check_parent_folders(path("x.rgb"), 1).ok());
+    const Status status = check_parent_folders(path("x.rgb"), std::uint64_t{1} << 62);
+    EXPECT_EQ(status.code(), ErrorCode::io);
+    EXPECT_NE(status.message().find("the disk has"), std::string::npos) << status.message();
 }
 
 TEST(Parse, ReadsBoxes) {

@@ -64,7 +64,7 @@ TEST(ViewPattern, RefusesInvalidPatterns) {
     for (const char* text :
          {"", "view.png", "{n}", "{n}{s}.png", "{n}_{n}.png", "{n.png", "{x}.png", "{n:0}.png",
           "{n:12}.png", "{n+}.png", "{n:3*1}.png", "{n+1234567890}.png", "{n1}.png", "a/{n}.png",
-          ".{n}.png", "****{n}*.png", "{n}.bmp", "{n}\n.png"}) {
+          ".{n}.png", "****{n}*.png", "{n}.gif", "{n}\n.png"}) {
         const auto pattern = ViewPattern::parse(text);
         ASSERT_FALSE(pattern.ok()) << text;
         EXPECT_EQ(pattern.status().code(), ErrorCode::bad_argument);
@@ -78,6 +78,13 @@ TEST(ViewNames, RecognisesCommonNames) {
               "out_{t:2}_{s:2}_*_*_.png");
     EXPECT_EQ(pattern_of({"00_00.JPG", "00_01.JPG", "01_00.JPG"}), "{t:2}_{s:2}.JPG");
     EXPECT_EQ(pattern_of({"0_9.png", "0_10.png", "1_9.png"}, {true}), "{s}_{t}.png");
+    EXPECT_EQ(pattern_of({"x00_y00.png", "x01_y00.png", "x00_y01.png"}), "x{s:2}_y{t:2}.png");
+    EXPECT_EQ(pattern_of({"Y0-X0.png", "Y0-X1.png", "Y1-X0.png"}), "Y{t}-X{s}.png");
+    EXPECT_EQ(pattern_of({"a_col1_row1.png", "a_col2_row1.png", "a_col1_row2.png"}),
+              "a_col{s}_row{t}.png");
+    EXPECT_EQ(pattern_of({"r1c1.png", "r1c2.png", "r2c1.png"}), "r{t}c{s}.png");
+    EXPECT_EQ(pattern_of({"(0,0).png", "(0,1).png", "(1,0).png"}), "({t},{s}).png");
+    EXPECT_EQ(pattern_of({"(-1,-1).png", "(-1,0).png", "(0,0).png"}), "({t},{s}).png");
     EXPECT_EQ(pattern_of({"scene2-cam-01.png", "scene2-cam-02.png"}), "scene2-cam-{n:2}.png");
     EXPECT_EQ(pattern_of({"shot5.exr"}), "shot{n}.exr");
     EXPECT_EQ(pattern_of({"view_t000_s000.png", "view_t000_s001.png", "sheet.png"}),
@@ -126,6 +133,25 @@ TEST(ViewNames, ArrangesByOrder) {
               "3x2: r1c1 r1c2 r1c3 r2c1 r2c2 r2c3");
     EXPECT_EQ(arranged({"v_-1_0.png", "v_0_0.png", "v_-1_7.png", "v_0_7.png"}).substr(0, 29),
               "v_-1_1.png: this view is miss");
+}
+
+TEST(ViewNames, KnowsWhetherAxesAreGuessed) {
+    const auto guessed = [](const std::vector<std::string>& names, const ViewHints& hints = {}) {
+        const auto views = arrange_views(names, hints, {});
+        EXPECT_TRUE(views.ok()) << views.status().message();
+        return views.ok() && views->axes_are_guessed;
+    };
+    const std::vector<std::string> clear{"x0_y0.png", "x0_y1.png", "x1_y0.png", "x1_y1.png"},
+        unclear{"(0,0).png", "(0,1).png", "(1,0).png", "(1,1).png"};
+    EXPECT_FALSE(guessed(clear));
+    EXPECT_TRUE(guessed(unclear));
+    EXPECT_TRUE(guessed({"1.png", "2.png", "3.png", "4.png"}));
+    ViewHints hints;
+    hints.order = ViewOrder{};
+    EXPECT_FALSE(guessed(unclear, hints));
+    hints = {};
+    hints.pattern = "({s},{t}).png";
+    EXPECT_FALSE(guessed(unclear, hints));
 }
 
 TEST(ViewNames, ReportsViewsThatDoNotFit) {

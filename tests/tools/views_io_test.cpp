@@ -222,6 +222,94 @@ TEST_F(ViewsIo, KeepsNamesThatBeginAtOne) {
     EXPECT_EQ(texels({}, "w"), found);
 }
 
+// Kinds that are read and not written: their views have the same names with another ending.
+TEST_F(ViewsIo, ReadsKindsThatAreNotWritten) {
+    for (unsigned n = 1; n <= 4; ++n) {
+        const char sample = static_cast<char>(10 * n);
+        spit(at("v/x" + std::to_string(n) + ".ppm"), "P6 4 3 255\n" + std::string(36, sample));
+    }
+    ViewsFacts facts;
+    ASSERT_TRUE(open_views(at("v"), {}, facts).ok());
+    EXPECT_EQ(facts.layout.pattern, "x{n+1}.png");
+    EXPECT_NE(facts.told.find("x{n+1}.ppm"), std::string::npos) << facts.told;
+    const auto found = texels();
+    ASSERT_TRUE(error_.ok()) << error_.message();
+    EXPECT_EQ(desc_.size, (Extent4{4, 3, 2, 2}));
+    for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_EQ(std::to_integer<std::size_t>(found[3 * i]), 10 * (i + 1));
+    TextureHints hints;
+    hints.type = SampleType::half16;
+    ASSERT_TRUE(open_views(at("v"), hints, facts).ok());
+    EXPECT_EQ(facts.layout.pattern, "x{n+1}.exr");
+    // One such picture is a mosaic, whatever its name says.
+    spit(at("quilt.raw"), "P5 4 3 255\n" + std::string(12, '\x07'));
+    fs::rename(at("quilt.raw"), at("quilt.png"));
+    hints = {};
+    hints.views.quilt = ViewGrid{2, 1};
+    const auto quilt = texels(hints, "quilt.png");
+    ASSERT_TRUE(error_.ok()) << error_.message();
+    EXPECT_EQ(desc_.size, (Extent4{2, 3, 2, 1}));
+    EXPECT_EQ(create_texture(at("out.tif"), desc_, {}, 1, {}).status().code(),
+              ErrorCode::unsupported);
+}
+
+// Content that moves sideways from (0,0) to (1,0) shows that the first number is the column.
+TEST_F(ViewsIo, MotionDecidesUnclearAxes) {
+    for (const bool column_first : {false, true}) {
+        for (unsigned a = 0; a < 2; ++a)
+            for (unsigned b = 0; b < 2; ++b) {
+                const unsigned s = column_first ? a : b, t = column_first ? b : a;
+                std::string file = "P5 32 24 255\n";
+                for (unsigned y = 0; y < 24; ++y)
+                    for (unsigned x = 0; x < 32; ++x) {
+                        const unsigned cell = (x + 2 * s) / 3 * 7919 + (y + 2 * t) / 3 * 104729;
+                        file += static_cast<char>(cell * 2654435761u >> 24);
+                    }
+                spit(at("v/(" + std::to_string(a) + "," + std::to_string(b) + ").pgm"), file);
+            }
+        ViewsFacts facts;
+        ASSERT_TRUE(open_views(at("v"), {}, facts).ok());
+        EXPECT_EQ(facts.layout.pattern, column_first ? "({s},{t}).png" : "({t},{s}).png");
+        EXPECT_EQ(facts.layout.order.columns, column_first);
+        EXPECT_EQ(facts.told.find("(columns, as the views move)") != std::string::npos,
+                  column_first)
+            << facts.told;
+        TextureHints hints;
+        hints.views.order = ViewOrder{}; // the option decides
+        ASSERT_TRUE(open_views(at("v"), hints, facts).ok());
+        EXPECT_EQ(facts.layout.pattern, "({t},{s}).png");
+    }
+}
+
+// Samples beyond the range of halves are counted once, however often they are read.
+TEST_F(ViewsIo, CountsClampedSamplesOnce) {
+    for (unsigned n = 0; n < 4; ++n) {
+        std::string row = "Pf 2 2 -1\n";
+        for (const float value : {1.0f, n == 2 ? 1e6f : 2.0f, 3.0f, n > 0 ? -7e4f : 4.0f})
+            row.append(reinterpret_cast<const char*>(&value), 4);
+        spit(at("v/x" + std::to_string(n) + ".pfm"), row);
+    }
+    Warnings warnings(false);
+    TextureHints hints;
+    hints.warnings = &warnings;
+    const auto opened = open_texture(at("v"), hints);
+    ASSERT_TRUE(opened.ok()) << opened.status().message();
+    const Box4 whole = Box4::whole(opened->source->desc().size);
+    for (int pass = 0; pass < 3; ++pass)
+        ASSERT_TRUE(opened->source->begin_slab(whole).ok());
+    const Json list = warnings.json();
+    ASSERT_EQ(list.size(), 1u) << list;
+    EXPECT_EQ(list[0]["count"], 4);
+    EXPECT_EQ(list[0]["first"], at("v/x1.pfm"));
+    Warnings strict(true);
+    hints.warnings = &strict;
+    const auto again = open_texture(at("v"), hints);
+    ASSERT_TRUE(again.ok());
+    const Status status = again->source->begin_slab(whole);
+    EXPECT_EQ(status.code(), ErrorCode::unsupported);
+    EXPECT_NE(status.message().find("beyond +-65504"), std::string::npos) << status.message();
+}
+
 TEST_F(ViewsIo, RefusesWhatIsNoPicture) {
     const auto fresh = [&] {
         fs::remove_all(at("v"));
@@ -287,7 +375,8 @@ TEST_F(ViewsIo, RefusesPicturesThatClaimTooMuchOrEndTooEarly) {
         refused(ErrorCode::invalid_file, "x0.jpg: ");
     }
     spit(at("v/x0.jpg"), "no picture");
-    refused(ErrorCode::invalid_file, "x0.jpg: not a PNG, JPEG or EXR picture");
+    refused(ErrorCode::invalid_file,
+            "x0.jpg: not a PNG, JPEG, EXR, TIFF, WebP, PPM or other known picture");
 }
 
 } // namespace

@@ -26,7 +26,7 @@ Result<corpus::ModelLight> make_light(const ModelArguments& a) {
     corpus::ModelLight light;
     if (!a.environment.empty()) {
         TESSERA_TRY_ASSIGN(corpus::Environment environment,
-                           corpus::Environment::load(a.environment));
+                           corpus::Environment::load(a.environment, a.environment_layer));
         light.environment = std::make_shared<const corpus::Environment>(std::move(environment));
     } else {
         light.environment =
@@ -57,6 +57,12 @@ double usual_exposure(const corpus::ModelLight& light) {
     }
     if (light.sun)
         mean += light.sun->irradiance.y / (4.0 * std::numbers::pi);
+    for (const corpus::ModelLamp& lamp : light.lamps) {
+        constexpr double radius = 3.5; // of models; a lamp may lie inside
+        const double distance = std::max(glm::length(lamp.position), radius);
+        const bool is_far = lamp.kind == corpus::ModelLamp::Kind::directional;
+        mean += lamp.strength.y / (is_far ? 1.0 : distance * distance) / (4.0 * std::numbers::pi);
+    }
     return mean > 0.0 ? std::strtod(digits(usual_brightness / mean).c_str(), nullptr) : 1.0;
 }
 
@@ -78,7 +84,10 @@ Result<LitModelFile> load_lit_model(const std::string& path, const ModelArgument
     TESSERA_TRY_ASSIGN(file.model, corpus::load_model(path));
     change_materials(a, file.model);
     TESSERA_TRY_ASSIGN(file.light, make_light(a));
+    file.light.lamps = file.model.lamps;
     file.display = {a.exposure ? *a.exposure : usual_exposure(file.light), SampleType::unorm8};
+    for (corpus::ModelMaterial& m : file.model.materials)
+        m.unlit_light = 1.0 / file.display.exposure; // so that it shows its base colour
     return file;
 }
 
@@ -87,6 +96,8 @@ std::vector<std::pair<std::string, std::string>> facts_of(const ModelArguments& 
     std::vector<std::pair<std::string, std::string>> facts = {
         {"environment", a.environment.empty() ? studio : a.environment},
         {"exposure", digits(file.display.exposure)}};
+    if (!a.environment_layer.empty())
+        facts.emplace_back("environment layer", a.environment_layer);
     if (!a.light.empty())
         facts.emplace_back("sun", a.light);
     if (a.roughness)
@@ -102,6 +113,7 @@ Result<ModelArguments> arguments_in(const Metadata& metadata) {
         return said == metadata.end() ? std::string() : said->second;
     };
     ModelArguments a{.environment = text("Environment"),
+                     .environment_layer = text("Environment layer"),
                      .light = text("Sun"),
                      .exposure = {},
                      .roughness = {},

@@ -16,6 +16,7 @@ namespace tessera {
 // Options that only models have.
 struct ModelArguments {
     std::string environment;        // path of an environment map; empty: the built-in studio
+    std::string environment_layer;  // of an EXR with several; see corpus::PictureOptions
     std::string light;              // direction towards a sun as "x,y,z"; empty: no sun
     std::optional<double> exposure; // absent: computed from the light
     std::optional<double> roughness, metal; // 0 to 1; absent: those of the materials

@@ -119,8 +119,8 @@ void add_layout_options(CLI::App& app, EncodeArguments& a) {
         "--max-error. Default: the encoder tries several");
     group.flag("--no-verify", a.no_verify, "Do not decode each tile again for a comparison");
     group.flag("--strict", a.strict,
-               "Refuse NaN and infinities instead of replacing them, and models with parts that "
-               "cannot be baked instead of noting these");
+               "Make warnings errors: NaN and infinities, and what a picture or a model states and "
+               "Tessera does not follow");
 }
 
 void add_description_options(CLI::App& app, EncodeArguments& a) {
@@ -177,8 +177,11 @@ Status check_reuse_options(const EncodeArguments& a) {
 }
 
 Status check_tess_output(const EncodeArguments& a, const std::string& output) {
-    if (output != standard_stream)
+    if (output != standard_stream) {
+        if (is_being_encoded(output))
+            return {ErrorCode::io, output + ": another process is writing this output now"};
         return check_output_path(output);
+    }
     if (a.resume)
         return {ErrorCode::bad_argument, "--resume: standard output has no journal"};
     TESSERA_TRY(check_json_output(a.json, output));

@@ -53,6 +53,12 @@ Status check_target(const std::string& path, const EncodeOptions& options, const
                                           "; --lossless-fallback writes a lossless file"};
 }
 
+void count_replaced(const EncodeReport& report, Warnings& warnings) {
+    // A strict command has failed at the first one, while it encoded.
+    (void)warnings.add("NaN became 0", "", report.nan_count);
+    (void)warnings.add("infinities became +-65504", "", report.infinity_count);
+}
+
 void print_report(std::FILE* to, const std::string& path, const TextureDesc& desc,
                   const EncodeReport& r) {
     const double ratio = static_cast<double>(r.raw_bytes) /
@@ -82,10 +88,6 @@ void print_report(std::FILE* to, const std::string& path, const TextureDesc& des
                      to_string(level.size).c_str(), static_cast<unsigned long long>(level.bytes),
                      100.0 * static_cast<double>(level.bytes) / static_cast<double>(r.file_bytes),
                      1u << level.step_shift);
-    if (r.nan_count + r.infinity_count > 0)
-        std::fprintf(to, "  note   %llu NaN replaced by 0, %llu infinities by +-65504\n",
-                     static_cast<unsigned long long>(r.nan_count),
-                     static_cast<unsigned long long>(r.infinity_count));
     if (!r.note.empty())
         std::fprintf(to, "  note   %s\n", r.note.c_str());
     if (r.looks_transposed)

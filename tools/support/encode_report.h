@@ -3,6 +3,7 @@
 
 #include "codec/encoder.h"
 #include "tools/support/json_text.h"
+#include "tools/support/warnings.h"
 
 #include <cstdio>
 #include <string>
@@ -17,6 +18,9 @@ Result<EncodeReport> encode_to(TexelSource& source, const std::string& path,
 // Errors: target_missed, if the written file does not reach its target.
 Status check_target(const std::string& path, const EncodeOptions& options,
                     const EncodeReport& report);
+
+// Counts the samples that the encoder replaced.
+void count_replaced(const EncodeReport& report, Warnings& warnings);
 
 void print_report(std::FILE* to, const std::string& path, const TextureDesc& desc,
                   const EncodeReport& report);

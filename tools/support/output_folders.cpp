@@ -1,9 +1,13 @@
 #include "tools/support/output_folders.h"
 
 #include "format/output_file.h"
+#include "tools/support/parse.h"
 #include "tools/support/url.h"
 
+#include <cerrno>
 #include <filesystem>
+#include <system_error>
+#include <unistd.h>
 
 namespace tessera {
 namespace {
@@ -16,18 +20,39 @@ fs::path parent_of(const std::string& path) {
     return whole.has_filename() ? whole.parent_path() : whole.parent_path().parent_path();
 }
 
+// Whether a new file of so many bytes fits into a folder that exists.
+Status check_folder(const std::string& path, const fs::path& folder, std::uint64_t bytes) {
+    const auto cannot = [&](const std::string& why) {
+        return Status(ErrorCode::io, path + ": cannot write into " + folder.string() + ": " + why);
+    };
+    if (::access(folder.c_str(), W_OK | X_OK) != 0)
+        return cannot(std::error_code(errno, std::generic_category()).message());
+    std::error_code error;
+    const fs::space_info space = fs::space(folder, error);
+    if (error || space.available >= bytes)
+        return {};
+    return cannot(space.available == 0 ? "the disk is full"
+                                       : "the disk has " + human_bytes(space.available) +
+                                             " left, and this takes " + human_bytes(bytes));
+}
+
 } // namespace
 
-Status check_parent_folders(const std::string& path) {
+Status check_parent_folders(const std::string& path, std::uint64_t bytes) {
     std::error_code ignored;
+    TESSERA_TRY_ASSIGN(const std::string target, output_target(path));
+    if (parent_of(target).empty())
+        return check_folder(path, ".", bytes);
     // The nearest existing ancestor must be a folder.
-    for (fs::path folder = parent_of(path); !folder.empty(); folder = folder.parent_path()) {
+    for (fs::path folder = parent_of(target); !folder.empty(); folder = folder.parent_path()) {
         if (fs::is_directory(folder, ignored))
-            return {};
+            return check_folder(path, folder, bytes);
         if (fs::exists(fs::symlink_status(folder, ignored)))
             return {ErrorCode::io, path + ": " + folder.string() + " is not a folder"};
         if (folder == folder.parent_path())
             break;
+        if (folder.parent_path().empty()) // of a relative path
+            return check_folder(path, ".", bytes);
     }
     return {};
 }
@@ -38,9 +63,16 @@ Status check_output_path(const std::string& path) {
     TESSERA_TRY(check_parent_folders(path));
     std::error_code ignored;
     const fs::file_status status = fs::status(path, ignored);
-    if (!fs::exists(status) || fs::is_regular_file(status))
+    if (!fs::exists(status))
         return {};
-    return {ErrorCode::io, path + ": exists and is not a regular file"};
+    if (!fs::is_regular_file(status))
+        return {ErrorCode::io, path + ": exists and is not a regular file"};
+    // Root may write everything, but means no such file.
+    constexpr fs::perms any_write =
+        fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
+    if ((status.permissions() & any_write) == fs::perms::none || ::access(path.c_str(), W_OK) != 0)
+        return {ErrorCode::io, path + ": cannot write: the file is read-only"};
+    return {};
 }
 
 Status make_parent_folders(const std::string& path) {

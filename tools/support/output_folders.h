@@ -4,18 +4,21 @@
 #include "format/status.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 
 namespace tessera {
 
-// Whether a file can be written to `path`: the path does not exist or is a regular file, and its
-// folder exists or can be created. A device or a folder is refused, because the final rename would
-// destroy it or fail. Writes nothing. Errors: io; bad_argument (a URL).
+// Whether a file can be written to `path`: the path does not exist or is a regular file that may be
+// written, and its folder exists, or can be created, and has room. A device or a folder is refused,
+// because the final rename would destroy it or fail. Writes nothing. Errors: io; bad_argument (a
+// URL).
 Status check_output_path(const std::string& path);
 
-// The part of that check that concerns the folders on the path.
-Status check_parent_folders(const std::string& path);
+// The part of that check that concerns the folders on the path, also behind a link. `bytes`: how
+// many are going to be written at least.
+Status check_parent_folders(const std::string& path, std::uint64_t bytes = 1);
 
 // Creates the missing folders on the path. Errors: io.
 Status make_parent_folders(const std::string& path);

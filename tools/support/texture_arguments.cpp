@@ -46,6 +46,11 @@ void add_texture_options(CLI::App& app, TextureArguments& a) {
     views.option("--mosaic", "SxT", a.mosaic,
                  "The picture holds angular images, as of a lenslet camera");
     views.flag("--no-exif", a.no_exif, "Do not turn JPEG pictures as their EXIF metadata states");
+    views.option("--layer", "NAME", a.layer,
+                 "Layer of EXR pictures that have several, such as ViewLayer.Combined or left");
+    views.option("--yuv-matrix", "bt601|bt709", a.yuv_matrix,
+                 "Colours of a .y4m film. Default: bt709 from 720 lines on, else bt601",
+                 CLI::IsMember({"bt601", "bt709"}));
     add_threads_options(app, a);
 }
 
@@ -53,6 +58,9 @@ Result<ViewHints> make_view_hints(const TextureArguments& a) {
     ViewHints hints;
     hints.pattern = a.pattern;
     hints.exif = a.no_exif ? corpus::Exif::ignored : corpus::Exif::followed;
+    hints.layer = a.layer;
+    if (!a.yuv_matrix.empty())
+        hints.yuv_matrix = a.yuv_matrix == "bt601" ? YuvMatrix::bt601 : YuvMatrix::bt709;
     for (const auto& [option, text, grid] :
          {std::tuple("--grid", &a.grid, &hints.grid), std::tuple("--quilt", &a.quilt, &hints.quilt),
           std::tuple("--mosaic", &a.mosaic, &hints.mosaic)})

@@ -15,6 +15,7 @@ inline constexpr const char* views_heading = "Folders of views, quilts and mosai
 struct TextureArguments {
     std::string size, type;
     std::string pattern, grid, quilt, mosaic, order; // of views
+    std::string layer, yuv_matrix;
     bool no_exif = false;
     unsigned channels = 0;
     unsigned threads = 0;

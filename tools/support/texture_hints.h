@@ -5,6 +5,7 @@
 #include "corpus/picture_file.h"
 #include "format/texture.h"
 #include "tools/support/view_order.h"
+#include "tools/support/warnings.h"
 
 #include <cstdint>
 #include <optional>
@@ -12,14 +13,19 @@
 
 namespace tessera {
 
+// How the colours of a film become RGB.
+enum class YuvMatrix { bt601, bt709 };
+
 // Names and layout of pictures with views.
 struct ViewHints {
     std::string pattern;            // of file names, see view_pattern.h; empty: detected
     std::optional<ViewGrid> grid;   // of the cameras
     std::optional<ViewGrid> quilt;  // views in columns x rows of one picture
     std::optional<ViewGrid> mosaic; // angular images of s x t pixels, side by side in one picture
-    std::optional<ViewOrder> order; // of the views of a folder or a quilt
+    std::optional<ViewOrder> order; // of the views of a folder, a quilt or a film
     corpus::Exif exif = corpus::Exif::followed;
+    std::string layer;                   // of EXR pictures; see corpus::PictureOptions
+    std::optional<YuvMatrix> yuv_matrix; // of films
 };
 
 struct TextureHints {
@@ -29,6 +35,7 @@ struct TextureHints {
     unsigned threads = 0;                 // 0: all cores
     DecodeOptions decode;                 // of a .tess
     ViewHints views;                      // of folders and pictures
+    Warnings* warnings = nullptr;         // receives those of pictures; outlives their source
 };
 
 } // namespace tessera

@@ -17,15 +17,34 @@ PictureKind picture_kind_of_name(std::string_view name) {
     std::string ending(dot == std::string_view::npos ? "" : name.substr(dot));
     std::ranges::transform(ending, ending.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending == ".png"                        ? PictureKind::png
-           : ending == ".jpg" || ending == ".jpeg" ? PictureKind::jpeg
-           : ending == ".exr"                      ? PictureKind::exr
-                                                   : PictureKind::none;
+    constexpr std::pair<std::string_view, PictureKind> endings[] = {
+        {".png", PictureKind::png},   {".jpg", PictureKind::jpeg}, {".jpeg", PictureKind::jpeg},
+        {".exr", PictureKind::exr},   {".tif", PictureKind::tiff}, {".tiff", PictureKind::tiff},
+        {".webp", PictureKind::webp}, {".ppm", PictureKind::pnm},  {".pgm", PictureKind::pnm},
+        {".pnm", PictureKind::pnm},   {".pfm", PictureKind::pfm},  {".bmp", PictureKind::bmp},
+        {".hdr", PictureKind::hdr}};
+    const auto* const known =
+        std::ranges::find(endings, ending, &std::pair<std::string_view, PictureKind>::first);
+    return known != std::end(endings) ? known->second : PictureKind::none;
+}
+
+std::string writable_picture_name(const std::string& name, SampleType type) {
+    switch (picture_kind_of_name(name)) {
+    case PictureKind::none:
+    case PictureKind::png:
+    case PictureKind::jpeg:
+    case PictureKind::exr:
+        return name;
+    default:
+        return name.substr(0, name.rfind('.')) + (traits_of(type).is_float ? ".exr" : ".png");
+    }
 }
 
 Status check_picture_kind(PictureKind kind, SampleType type, std::uint8_t channels) {
     if (kind == PictureKind::exr)
         return {};
+    if (kind != PictureKind::png && kind != PictureKind::jpeg)
+        return {ErrorCode::unsupported, "pictures are written as .png, .jpg or .exr"};
     if (sample_bytes(type) != 1)
         return {ErrorCode::unsupported,
                 "PNG and JPEG views hold 8 bits, this texture is half float; write EXR "

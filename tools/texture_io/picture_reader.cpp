@@ -4,6 +4,7 @@
 #include "tools/support/interrupt.h"
 #include "tools/support/parse.h"
 #include "tools/support/slab_buffer.h"
+#include "tools/texture_io/clamped_rows.h"
 #include "tools/texture_io/picture_io.h"
 #include "tools/texture_io/picture_layout.h"
 
@@ -17,9 +18,10 @@ using corpus::PictureShape;
 class PictureSource : public TexelSource {
 public:
     PictureSource(std::unique_ptr<ByteSource> file, std::unique_ptr<PictureReader> reader,
-                  const TextureDesc& desc, const ViewLayout& layout)
+                  const TextureDesc& desc, const ViewLayout& layout, Warnings* warnings)
         : file_(std::move(file)), reader_(std::move(reader)), desc_(desc),
-          layout_(desc.size, layout, reader_->shape().height), quilt_(layout.quilt) {}
+          layout_(desc.size, layout, reader_->shape().height), quilt_(layout.quilt),
+          warnings_(warnings) {}
 
     const TextureDesc& desc() const override { return desc_; }
     Locality locality() const override {
@@ -47,13 +49,16 @@ private:
     // Stores the part of some rows that lies in the slab.
     Status read_rows(std::uint32_t first, std::uint32_t last) {
         const std::size_t texel = desc_.texel_bytes();
-        return reader_->read_rows(
+        ClampedRows clamped(counted_);
+        TESSERA_TRY(reader_->read_rows(
             desc_.type, first, last, [&](std::uint32_t y, std::span<const std::byte> row) {
+                clamped.add(y, reader_->clamped_in_row());
                 layout_.visit_row(y, slab_.box(), [&](const Box4& part, std::uint32_t x) {
                     copy_box(part, part, row.subspan(x * texel, desc_.box_bytes(part)), slab_.box(),
                              slab_.bytes(), texel);
                 });
-            });
+            }));
+        return clamped.say(warnings_, file_->name());
     }
 
     std::unique_ptr<ByteSource> file_;
@@ -61,6 +66,8 @@ private:
     TextureDesc desc_;
     PictureLayout layout_;
     bool quilt_;
+    Warnings* warnings_;
+    std::vector<bool> counted_; // for ClampedRows
     SlabBuffer slab_;
 };
 
@@ -185,8 +192,13 @@ private:
 Result<std::unique_ptr<TexelSource>> open_picture(std::unique_ptr<ByteSource> file,
                                                   const TextureHints& hints, ViewsFacts& facts) {
     const std::string name = file->name();
-    TESSERA_TRY_ASSIGN(auto reader, corpus::open_picture_file(*file, thread_count(hints.threads),
-                                                              hints.views.exif));
+    TESSERA_TRY_ASSIGN(auto reader,
+                       corpus::open_picture_file(*file, {.threads = thread_count(hints.threads),
+                                                         .exif = hints.views.exif,
+                                                         .layer = hints.views.layer}));
+    if (hints.warnings != nullptr)
+        for (const std::string& note : reader->notes())
+            TESSERA_TRY(hints.warnings->add(note, name));
     std::optional<ViewGrid> quilt = hints.views.quilt;
     if (!quilt && !hints.views.mosaic && !hints.size)
         quilt = quilt_in_name(name);
@@ -198,8 +210,8 @@ Result<std::unique_ptr<TexelSource>> open_picture(std::unique_ptr<ByteSource> fi
     const bool is_unorm8 = !quilt && reader->attribute("tessera:type") == "unorm8";
     desc.type = hints.type.value_or(is_unorm8 ? SampleType::unorm8 : reader->shape().usual_type());
     TESSERA_TRY(check_desc(desc).with_context(name));
-    return std::unique_ptr<TexelSource>(
-        std::make_unique<PictureSource>(std::move(file), std::move(reader), desc, facts.layout));
+    return std::unique_ptr<TexelSource>(std::make_unique<PictureSource>(
+        std::move(file), std::move(reader), desc, facts.layout, hints.warnings));
 }
 
 } // namespace tessera

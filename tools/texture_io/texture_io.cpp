@@ -9,6 +9,7 @@
 #include "tools/support/parse.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/exr_writer.h"
+#include "tools/texture_io/film_io.h"
 #include "tools/texture_io/picture_format.h"
 #include "tools/texture_io/picture_io.h"
 #include "tools/texture_io/raw_io.h"
@@ -58,7 +59,8 @@ Status unknown_kind(const std::string& path) {
                 path + ": only .tess files are read over a network, and none is written"};
     return {ErrorCode::bad_argument,
             path + ": the name has no known ending; known are .tess, .exr, .rgb .rgba .gray "
-                   ".ya (and with 16f appended), .raw, .png, .jpg, and folder/ for views"};
+                   ".ya (and with 16f appended), .raw, .png, .jpg and other pictures, .y4m, and "
+                   "folder/ for views"};
 }
 
 // The kind of an input that has neither a signature nor a known name.
@@ -67,11 +69,12 @@ Status unknown_input(const std::string& path, const std::string& name) {
         return unknown_kind(path);
     return {
         ErrorCode::bad_argument,
-        name +
-            ": not a .tess, EXR, PNG or JPEG file; raw samples need --size, --type and --channels"};
+        name + ": not a .tess file, a film or a known picture; raw samples need --size, --type and "
+               "--channels"};
 }
 
-// From the signature; raw samples have none.
+// From the signature; raw samples have none. Signatures of two letters are no evidence against a
+// name.
 TextureKind kind_of_content(ByteSource& file) {
     constexpr unsigned char tess[] = {0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', '\r', '\n', 0x1a};
     std::array<unsigned char, 11> begin{};
@@ -80,14 +83,18 @@ TextureKind kind_of_content(ByteSource& file) {
         return TextureKind::unknown;
     if (length >= sizeof tess && std::ranges::equal(tess, std::span(begin).first(sizeof tess)))
         return TextureKind::tess;
+    if (is_film(file))
+        return TextureKind::picture;
     switch (corpus::picture_kind_of(file)) {
     case corpus::PictureKind::exr:
         return TextureKind::exr;
-    case corpus::PictureKind::png:
-    case corpus::PictureKind::jpeg:
-        return TextureKind::picture;
-    default:
+    case corpus::PictureKind::none:
+    case corpus::PictureKind::bmp:
+    case corpus::PictureKind::pnm:
+    case corpus::PictureKind::pfm:
         return TextureKind::unknown;
+    default:
+        return TextureKind::picture;
     }
 }
 
@@ -210,7 +217,7 @@ TextureKind kind_of(const std::string& path) {
         return TextureKind::tess;
     if (ending == ".exr")
         return TextureKind::exr;
-    if (picture_kind_of_name(path) != corpus::PictureKind::none)
+    if (picture_kind_of_name(path) != corpus::PictureKind::none || ending == ".y4m")
         return ending == ".EXR" ? TextureKind::exr : TextureKind::picture;
     return raw_ending(path) ? TextureKind::raw : TextureKind::unknown;
 }
@@ -254,6 +261,9 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
     const std::string name = bytes.ok() ? (*bytes)->name() : path;
     if (opened.kind == TextureKind::unknown && hints.size && hints.type && hints.channels)
         opened.kind = TextureKind::raw;
+    if (opened.kind == TextureKind::unknown && bytes.ok() && !is_url(path) &&
+        corpus::picture_kind_of(**bytes) != corpus::PictureKind::none)
+        opened.kind = TextureKind::picture;
     TextureDesc raw;
     if (opened.kind == TextureKind::raw) { // missing hints are reported before a missing file
         TESSERA_TRY_ASSIGN(raw, raw_desc(path == standard_stream ? name : path, hints));
@@ -266,7 +276,9 @@ Result<OpenedTexture> open_texture(const std::string& path, const TextureHints& 
         return opened;
     case TextureKind::exr:
     case TextureKind::picture: {
-        TESSERA_TRY_ASSIGN(opened.source, open_picture(std::move(*bytes), hints, facts));
+        const bool film = is_film(**bytes);
+        TESSERA_TRY_ASSIGN(opened.source, film ? open_film(std::move(*bytes), hints, facts)
+                                               : open_picture(std::move(*bytes), hints, facts));
         take_facts(facts, opened);
         return opened;
     }
@@ -306,6 +318,7 @@ Status check_texture_output(const std::string& path, const TextureDesc& desc,
         return check_views_output(desc, layout).with_context(path);
     case TextureKind::raw:
         TESSERA_TRY(check_output_path(path));
+        TESSERA_TRY(check_parent_folders(path, desc.box_bytes(Box4::whole(desc.size))));
         return check_raw_ending(path, desc);
     case TextureKind::tess:
         return {ErrorCode::bad_argument, path + ": use tessera encode to compress"};

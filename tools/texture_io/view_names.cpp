@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -85,6 +86,45 @@ std::string as_pattern(std::string text) {
     return text;
 }
 
+enum class NameAxis { unknown, column, row };
+
+// What the letters in front of a number say.
+NameAxis axis_before_number(const std::string& text) {
+    std::size_t begin = text.size();
+    while (begin > 0 && std::isalpha(static_cast<unsigned char>(text[begin - 1])) != 0)
+        --begin;
+    std::string word = text.substr(begin);
+    std::ranges::transform(word, word.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    for (const char* column : {"x", "u", "s", "c", "col", "column"})
+        if (word == column)
+            return NameAxis::column;
+    for (const char* row : {"y", "v", "t", "r", "row"})
+        if (word == row)
+            return NameAxis::row;
+    return NameAxis::unknown;
+}
+
+// Whether letters say that the first of two numbers is the column; nothing where they do not say it.
+std::optional<bool> column_is_first(const CutName& name, const std::vector<Field>& fields) {
+    std::vector<NameAxis> axes;
+    for (std::size_t i = 0; i < fields.size(); ++i)
+        if (fields[i].whole && fields[i].varies)
+            axes.push_back(axis_before_number(name.texts[i]));
+    if (axes.size() != 2 || axes[0] == axes[1] || axes[0] == NameAxis::unknown ||
+        axes[1] == NameAxis::unknown)
+        return std::nullopt;
+    return axes[0] == NameAxis::column;
+}
+
+bool letters_tell_axes(const std::string& first, const std::string& last) {
+    const std::vector<CutName> names{cut_at_numbers(first), cut_at_numbers(last)};
+    std::vector<Field> fields;
+    for (std::size_t i = 0; i < std::min(names[0].numbers.size(), names[1].numbers.size()); ++i)
+        fields.push_back(field_of(names, i));
+    return column_is_first(names[0], fields).has_value();
+}
+
 Result<std::string> pattern_of(const std::vector<CutName>& names, const ViewOrder& order) {
     const CutName& first = names.front();
     std::vector<Field> fields;
@@ -97,11 +137,9 @@ Result<std::string> pattern_of(const std::vector<CutName>& names, const ViewOrde
         return Status(ErrorCode::bad_argument,
                       std::to_string(places) +
                           " numbers differ from name to name, and a view has a row and a column; "
-                          "say --views-pattern, such as 'x{t}_y{s}_*.png'");
-    const char* letters[2] = {places == 1     ? "n"
-                              : order.columns ? "s"
-                                              : "t",
-                              order.columns ? "t" : "s"};
+                          "say --views-pattern, such as 'x{s}_y{t}_*.png'");
+    const bool columns = order.columns || column_is_first(first, fields).value_or(false);
+    const char* letters[2] = {places == 1 ? "n" : columns ? "s" : "t", columns ? "t" : "s"};
     std::string text = as_pattern(first.texts[0]);
     for (std::size_t i = 0, place = 0; i < fields.size(); ++i) {
         // The last number of a single picture is its running number.
@@ -337,6 +375,8 @@ Result<NamedViews> arrange_views(const std::vector<std::string>& names, const Vi
                                                   : count_placed(views, known, is_ours));
     found.grid = counted.grid;
     TESSERA_TRY_ASSIGN(found.names, complete_grid(views, counted, found));
+    found.axes_are_guessed = hints.pattern.empty() && !is_ours && !hints.order &&
+                             !letters_tell_axes(found.names.front(), found.names.back());
     found.pattern.begin_at(counted.first);
     return found;
 }

@@ -15,11 +15,15 @@ struct NamedViews {
     ViewOrder order;
     ViewGrid grid;
     std::vector<std::string> names; // of view (s, t) at t * grid.s + s
+    // Nothing says whether rows or columns are counted first: neither an option nor a letter such as
+    // x and y in the names.
+    bool axes_are_guessed = false;
 };
 
 // Detects the pattern of the names. view_tTTT_sSSS wins whatever other pictures there are.
-// Otherwise the numbers that differ from name to name give the position: one is a running number;
-// of two, the first is the row (the column, with order.columns). Numbers with a decimal point are
+// Otherwise the numbers that differ from name to name give the position: one is a running number; of
+// two behind x, u, s, c, col or column and y, v, t, r or row, the former is the column; of two others
+// the first is the row (the column, with order.columns). Numbers with a decimal point are
 // ignored. Errors: bad_argument, where names fit several patterns or none; the message names the
 // option that decides.
 Result<ViewPattern> recognise_view_names(const std::vector<std::string>& names,

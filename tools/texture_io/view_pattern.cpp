@@ -172,7 +172,7 @@ Result<ViewPattern> ViewPattern::parse(const std::string& text) {
     if (pattern.running_ == placed)
         return bad("needs {t} and {s}, the row and the column, or {n}, one running number");
     if (picture_kind_of_name(text) == corpus::PictureKind::none)
-        return bad("ends in none of .png, .jpg, .jpeg and .exr");
+        return bad(std::string("does not end in ") + picture_endings);
     return pattern;
 }
 

@@ -21,7 +21,8 @@ struct ViewsFacts {
 };
 
 // The size comes from tessera.json or, without one, from the names and the first picture; a hint
-// must agree. All views must be present and have the same size and channels. Reads the views of one
+// must agree. Where neither names nor hints say whether the first number counts rows or columns, the
+// motion of the views decides, if it is clear. All views must be present and have the same size and channels. Reads the views of one
 // slab at a time, from regular files only. Errors: io; invalid_file (a view is missing, damaged or
 // differs), bad_argument (ambiguous names), unsupported; runtime, when interrupted.
 Result<std::unique_ptr<TexelSource>> open_views(const std::string& folder,

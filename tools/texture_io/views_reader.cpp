@@ -2,7 +2,9 @@
 #include "format/work.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/slab_buffer.h"
+#include "tools/texture_io/clamped_rows.h"
 #include "tools/texture_io/picture_format.h"
+#include "tools/texture_io/view_motion.h"
 #include "tools/texture_io/view_names.h"
 #include "tools/texture_io/views_io.h"
 #include "tools/texture_io/views_json.h"
@@ -31,10 +33,12 @@ Result<std::vector<std::string>> list_pictures(const std::string& folder) {
         return Status(ErrorCode::io, folder + ": " + error.message());
     if (names.empty())
         return Status(ErrorCode::invalid_file,
-                      folder + ": holds no views (.png, .jpg, .jpeg or .exr)");
+                      folder + ": holds no views (" + picture_endings + ")");
     std::sort(names.begin(), names.end());
     return names;
 }
+
+constexpr std::uint32_t most_crop_side = 256; // pixels, of the parts that are compared
 
 class ViewsSource : public TexelSource {
 public:
@@ -42,7 +46,8 @@ public:
         : folder_(std::move(folder)), threads_(threads) {}
 
     Status open(const TextureHints& hints, ViewsFacts& facts) {
-        exif_ = hints.views.exif;
+        options_ = {.exif = hints.views.exif, .layer = hints.views.layer};
+        warnings_ = hints.warnings;
         TESSERA_TRY_ASSIGN(const auto names, list_pictures(folder_));
         TESSERA_TRY_ASSIGN(const auto json, read_views_json(folder_));
         ViewHints views = hints.views;
@@ -60,7 +65,16 @@ public:
         }
         TESSERA_TRY(arrange(names, views, size).with_context(folder_));
         TESSERA_TRY(check_views(hints, size));
-        facts.layout.pattern = views_.pattern.text();
+        if (views_.axes_are_guessed && desc_.size[axis_s] > 1 && desc_.size[axis_t] > 1) {
+            TESSERA_TRY_ASSIGN(const bool swapped, axes_look_swapped());
+            if (swapped) {
+                views.order = ViewOrder{.columns = true};
+                TESSERA_TRY(arrange(names, views, size).with_context(folder_));
+                TESSERA_TRY(check_views(hints, size));
+                by_motion_ = ", as the views move";
+            }
+        }
+        facts.layout.pattern = writable_picture_name(views_.pattern.text(), desc_.type);
         facts.layout.order = views_.order;
         facts.told = summary(names.size());
         return {};
@@ -101,28 +115,33 @@ private:
         return {};
     }
 
-    Result<PictureShape> shape_of(std::size_t view) const {
+    // `say`: whether what the picture states in vain becomes a warning.
+    Result<PictureShape> shape_of(std::size_t view, bool say) const {
         TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
-        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, 0, exif_));
+        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, options_));
+        if (say && warnings_ != nullptr)
+            for (const std::string& note : reader->notes())
+                TESSERA_TRY(warnings_->add(note, path_of(view)));
         return reader->shape();
     }
 
     // Reads the headers of all views, which must agree with the first one and with `size`.
     Status check_views(const TextureHints& hints, const std::optional<Extent4>& size) {
-        TESSERA_TRY_ASSIGN(const PictureShape first, shape_of(0));
+        TESSERA_TRY_ASSIGN(const PictureShape first, shape_of(0, false));
         desc_.channels = first.channels;
         desc_.type = hints.type.value_or(first.usual_type());
         desc_.size =
             size.value_or(Extent4{first.width, first.height, views_.grid.s, views_.grid.t});
         TESSERA_TRY(check_desc(desc_).with_context(folder_));
         shapes_.resize(views_.names.size());
+        counted_.resize(views_.names.size());
         return parallel_for(views_.names.size(), threads_,
                             [this](std::uint64_t i) { return check_view(i); });
     }
 
     Status check_view(std::size_t view) {
         TESSERA_TRY(check_interrupt());
-        TESSERA_TRY_ASSIGN(shapes_[view], shape_of(view));
+        TESSERA_TRY_ASSIGN(shapes_[view], shape_of(view, true));
         const auto words = [](std::uint32_t width, std::uint32_t height, unsigned channels) {
             return std::to_string(width) + "x" + std::to_string(height) + " pixels of " +
                    std::to_string(channels) + " channels";
@@ -136,6 +155,38 @@ private:
                     " instead of " + words(desc_.size[axis_u], desc_.size[axis_v], desc_.channels)};
     }
 
+    // The middle of a view.
+    Result<ViewCrop> crop_of(std::uint32_t s, std::uint32_t t) const {
+        const std::size_t view = std::size_t{t} * desc_.size[axis_s] + s;
+        TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
+        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, options_));
+        const corpus::PictureShape& shape = reader->shape();
+        ViewCrop crop{
+            std::min(shape.width, most_crop_side), std::min(shape.height, most_crop_side), {}};
+        const std::uint32_t left = (shape.width - crop.width) / 2;
+        const std::uint32_t top = (shape.height - crop.height) / 2;
+        const std::size_t green = shape.channels < 3 ? 0 : 1; // most of brightness
+        TESSERA_TRY(reader->read_rows(SampleType::unorm8, top, top + crop.height,
+                                      [&](std::uint32_t, std::span<const std::byte> row) {
+                                          for (std::uint32_t x = 0; x < crop.width; ++x)
+                                              crop.grey.push_back(std::to_integer<std::uint8_t>(
+                                                  row[(left + x) * shape.channels + green]));
+                                      }));
+        return crop;
+    }
+
+    // Whether content moves down where s grows and sideways where t grows, in the middle of the
+    // grid.
+    Result<bool> axes_look_swapped() const {
+        const std::uint32_t s = (desc_.size[axis_s] - 1) / 2, t = (desc_.size[axis_t] - 1) / 2;
+        TESSERA_TRY_ASSIGN(const ViewCrop here, crop_of(s, t));
+        TESSERA_TRY_ASSIGN(const ViewCrop right, crop_of(s + 1, t));
+        if (motion_between(here, right) != Motion::vertical)
+            return false;
+        TESSERA_TRY_ASSIGN(const ViewCrop below, crop_of(s, t + 1));
+        return motion_between(here, below) == Motion::horizontal;
+    }
+
     // For people. `pictures`: how many the folder has.
     std::string summary(std::size_t pictures) const {
         const std::string order = to_string(views_.order);
@@ -147,7 +198,7 @@ private:
                ", " + to_string(views_.grid) + " cameras from the " +
                (views_.order.bottom_up ? "bottom " : "top ") +
                (views_.order.right_left ? "right" : "left") +
-               (order.empty() ? "" : " (" + order + ")") +
+               (order.empty() ? "" : " (" + order + by_motion_ + ")") +
                (rounded ? "; 16-bit samples are rounded to 8 (--type half keeps 11)" : "");
     }
 
@@ -157,21 +208,27 @@ private:
         const std::size_t view = std::size_t{t} * desc_.size[axis_s] + s;
         const std::size_t texel = desc_.texel_bytes();
         TESSERA_TRY_ASSIGN(const auto file, open_file(path_of(view)));
-        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, 0, exif_));
+        TESSERA_TRY_ASSIGN(const auto reader, corpus::open_picture_file(*file, options_));
         if (reader->shape() != shapes_[view])
             return {ErrorCode::invalid_file, path_of(view) + ": changed while it was read"};
-        return reader->read_rows(
+        ClampedRows clamped(counted_[view]);
+        TESSERA_TRY(reader->read_rows(
             desc_.type, box.begin[axis_v], box.end[axis_v],
             [&](std::uint32_t v, std::span<const std::byte> row) {
+                clamped.add(v, reader->clamped_in_row());
                 for (std::uint32_t u = box.begin[axis_u]; u < box.end[axis_u]; ++u)
                     std::memcpy(slab_.texel(u, v, s, t), row.data() + u * texel, texel);
-            });
+            }));
+        return clamped.say(warnings_, path_of(view));
     }
 
     std::string folder_;
     unsigned threads_;
-    corpus::Exif exif_ = corpus::Exif::followed;
+    corpus::PictureOptions options_;
+    Warnings* warnings_ = nullptr;
+    std::vector<std::vector<bool>> counted_; // by view, for ClampedRows
     NamedViews views_;
+    std::string by_motion_;            // for people: why the order is another one
     std::vector<PictureShape> shapes_; // in the order of views_.names
     TextureDesc desc_;
     SlabBuffer slab_;

@@ -49,7 +49,7 @@ corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::Sur
 }
 
 void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedLayers& coded,
-            double seconds) {
+            const Warnings& warnings, double seconds) {
     if (a.encode.json) {
         Json json = {{"output", a.output},
                      {"bytes", coded.file.size()},
@@ -60,6 +60,7 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
                      {"mesh_bytes", baked.mesh.size()},
                      {"texels_per_unit", baked.density},
                      {"lights", baked.lights.size()},
+                     {"warnings", warnings.json()},
                      {"layers", Json::array()}};
         for (const CodedLayer& layer : coded.layers)
             json["layers"].push_back({{"role", name_of(layer.texture->role)},
@@ -69,6 +70,7 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
         print_json(json);
         return;
     }
+    warnings.print("bake");
     if (a.texture.quiet)
         return;
     std::FILE* const to = summary_stream(a.output);
@@ -96,11 +98,16 @@ Status bake_layered(const BakeCommand& a) {
                 "--layered needs a model, not the built-in scene " + a.scene};
     TESSERA_TRY(check_model(a));
     TESSERA_TRY(check_layered(a));
-    TESSERA_TRY(check_tess_output(a.encode, a.output));
     const auto start = std::chrono::steady_clock::now();
     TESSERA_TRY_ASSIGN(const corpus::SurfaceWish wish, surface_wish(a));
     TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(a.scene, a.model));
-    TESSERA_TRY_ASSIGN(const std::vector<std::string> notes, say_notes(a, file.model));
+    Warnings warnings(a.encode.strict);
+    TESSERA_TRY_ASSIGN(const std::vector<std::string> notes, take_notes(a, file.model, warnings));
+    for (const corpus::ModelLamp& lamp : file.light.lamps)
+        if (lamp.kind != corpus::ModelLamp::Kind::directional)
+            TESSERA_TRY(warnings.add("highlights of lamps that are not directional are missing "
+                                     "from layers",
+                                     a.scene));
     TESSERA_TRY_ASSIGN(const corpus::Model model,
                        corpus::with_both_sides(std::move(file.model)).with_context(a.scene));
     corpus::ModelLayersOptions options = layer_options(a, wish, file.display.exposure);
@@ -124,7 +131,7 @@ Status bake_layered(const BakeCommand& a) {
     }
     TESSERA_TRY(write_bytes(a.output, coded.file));
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    report(a, baked, coded, seconds.count());
+    report(a, baked, coded, warnings, seconds.count());
     return {};
 }
 

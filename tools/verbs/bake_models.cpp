@@ -67,13 +67,12 @@ Status check_model(const BakeCommand& a) {
     return {};
 }
 
-Result<std::vector<std::string>> say_notes(const BakeCommand& a, const corpus::Model& model) {
+Result<std::vector<std::string>> take_notes(const BakeCommand& a, const corpus::Model& model,
+                                            Warnings& warnings) {
     std::vector<std::string> notes;
     for (const std::string& note : model.notes) {
         notes.push_back(printable(note));
-        if (a.encode.strict)
-            return Status(ErrorCode::unsupported, a.scene + ": " + notes.back() + " (--strict)");
-        std::fprintf(stderr, "tessera bake: note: %s: %s\n", a.scene.c_str(), notes.back().c_str());
+        TESSERA_TRY(warnings.add(notes.back(), a.scene));
     }
     return notes;
 }
@@ -100,6 +99,8 @@ void add_model_options(CLI::App& app, ModelArguments& a) {
     OptionGroup group(app, "Models");
     group.option("--env", "FILE", a.environment,
                  "Environment light, .exr or .hdr by longitude and latitude. Default: a studio");
+    group.option("--layer", "NAME", a.environment_layer,
+                 "Layer of the environment, of an EXR that has several");
     group.option("--light", "X,Y,Z", a.light, "Direction towards a sun besides the environment");
     group.option("--exposure", "N", a.exposure,
                  "Factor from light to display. Default: mean white becomes 0.6",
@@ -112,8 +113,9 @@ void add_model_options(CLI::App& app, ModelArguments& a) {
 
 Status check_no_model_options(const ModelArguments& a) {
     for (const auto& [option, given] :
-         {std::pair("--env", !a.environment.empty()), std::pair("--light", !a.light.empty()),
-          std::pair("--exposure", a.exposure.has_value()),
+         {std::pair("--env", !a.environment.empty()),
+          std::pair("--layer", !a.environment_layer.empty()),
+          std::pair("--light", !a.light.empty()), std::pair("--exposure", a.exposure.has_value()),
           std::pair("--roughness", a.roughness.has_value()),
           std::pair("--metal", a.metal.has_value())})
         if (given)
@@ -129,7 +131,9 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
         const auto wished_map,
         parse_octahedral_map(map.empty() ? "auto" : map).with_context("--angular-map"));
     TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(a.scene, a.model));
-    TESSERA_TRY_ASSIGN(std::vector<std::string> notes, say_notes(a, file.model));
+    Baking baking;
+    baking.warnings = std::make_unique<Warnings>(a.encode.strict);
+    TESSERA_TRY_ASSIGN(std::vector<std::string> notes, take_notes(a, file.model, *baking.warnings));
     TESSERA_TRY_ASSIGN(const corpus::Model model,
                        corpus::with_both_sides(std::move(file.model)).with_context(a.scene));
     const Extent4 tile = wish.tile.value_or(usual_tile);
@@ -139,7 +143,6 @@ Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
     options.tile = {tile[axis_u], tile[axis_v]};
     TESSERA_TRY_ASSIGN(corpus::ModelAtlas atlas,
                        corpus::make_model_atlas(model, options).with_context(a.scene));
-    Baking baking;
     baking.mesh = atlas.stream;
     ModelFigures figures{.triangles = atlas.mesh.triangles.size(),
                          .charts = atlas.charts.size(),

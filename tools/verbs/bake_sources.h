@@ -44,8 +44,9 @@ struct Baking {
     std::vector<std::pair<std::string, std::string>> facts;
     // The same for the files that are read; facts of the journal only.
     std::vector<std::pair<std::string, std::string>> input_facts;
-    Json json;          // the facts and more, for --json
-    std::string remark; // one line for people; may be empty
+    Json json;                          // the facts and more, for --json
+    std::string remark;                 // one line for people; may be empty
+    std::unique_ptr<Warnings> warnings; // of models
 };
 
 bool is_compressed(const BakeCommand& a);
@@ -63,8 +64,9 @@ Metadata metadata_of(const std::vector<std::pair<std::string, std::string>>& fac
 
 // Of models only, in bake_models.cpp. What all bakes of models have in common:
 Status check_model(const BakeCommand& a); // errors: bad_argument
-// Prints what the model has that is not baked. Error: unsupported, if the command is strict.
-Result<std::vector<std::string>> say_notes(const BakeCommand& a, const corpus::Model& model);
+// What the model has that is not baked. Error: unsupported, if the command is strict.
+Result<std::vector<std::string>> take_notes(const BakeCommand& a, const corpus::Model& model,
+                                            Warnings& warnings);
 // Everything that the texels depend on but the files that are read.
 std::vector<std::pair<std::string, std::string>> model_facts(const BakeCommand& a,
                                                              const LitModelFile& file,

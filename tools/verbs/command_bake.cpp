@@ -69,15 +69,18 @@ Status bake_compressed(const BakeCommand& a, const Baking& baking, EncodeOptions
         options.progress = progress.function();
         return encode_to(source, a.output, options);
     }());
+    count_replaced(report, *baking.warnings);
     if (a.encode.json) {
         Json json = report_json(a.output, source.desc(), options, report);
         json.update(baking.json);
+        json["warnings"] = baking.warnings->json();
         print_json(json);
     } else if (!a.texture.quiet) {
         print_report(summary_stream(a.output), a.output, source.desc(), report);
         if (!baking.remark.empty())
             std::fprintf(summary_stream(a.output), "  %s\n", baking.remark.c_str());
     }
+    baking.warnings->print("bake");
     return check_target(a.output, options, report);
 }
 
@@ -125,11 +128,15 @@ Status run(const BakeCommand& a) {
                 "a scene and -o OUTPUT are needed; --list shows the scenes"};
     if (!is_compressed(a))
         TESSERA_TRY(check_plain_output(a));
+    else
+        TESSERA_TRY(check_tess_output(a.encode, a.output)); // before a model is loaded
     if (a.layered)
         return with_memory_hint(bake_layered(a));
     TESSERA_TRY(check_no_layer_options(a));
     BakeCommand own = a;
     TESSERA_TRY_ASSIGN(Baking baking, make_baking(own));
+    if (!baking.warnings)
+        baking.warnings = std::make_unique<Warnings>(a.encode.strict);
     baking.texels = interruptible(std::move(baking.texels)); // reading bakes
     TESSERA_TRY_ASSIGN(const auto options, options_for(own, baking));
     return with_memory_hint(is_compressed(a) ? bake_compressed(own, baking, options)

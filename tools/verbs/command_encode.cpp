@@ -16,6 +16,7 @@
 #include "tools/verbs/command.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 
 namespace tessera {
@@ -30,6 +31,7 @@ struct EncodeCommand {
     MaskArguments mask;
     EncodeArguments encode;
     CameraFacts cameras;
+    bool in_place = false;
 };
 
 // The name of the input for messages. That of a URL is without its password.
@@ -187,17 +189,28 @@ void print_interpretation(const EncodeCommand& a, const OpenedTexture& input) {
 }
 
 void print_result(const EncodeCommand& a, const OpenedTexture& input, const EncodeOptions& options,
-                  const EncodeReport& report) {
+                  const EncodeReport& report, const Warnings& warnings) {
     const TextureDesc& desc = input.source->desc();
     if (a.encode.json) {
         Json json = report_json(a.output, desc, options, report);
         json["input"] = a.input;
         if (!input.told.empty())
             json["understood_as"] = input.told;
+        json["warnings"] = warnings.json();
         print_json(json);
     } else if (!a.texture.quiet) {
         print_report(summary_stream(a.output), a.output, desc, report);
     }
+    warnings.print("encode");
+}
+
+// Compressing a file once more over itself loses quality, and is seldom meant.
+Status check_not_input(const EncodeCommand& a) {
+    std::error_code ignored;
+    if (a.in_place || !std::filesystem::equivalent(a.input, a.output, ignored))
+        return {};
+    return {ErrorCode::bad_argument,
+            a.output + ": is the input; write to another name, or say --in-place to replace it"};
 }
 
 Status run(const EncodeCommand& a) {
@@ -205,7 +218,10 @@ Status run(const EncodeCommand& a) {
     if (kind_of(a.output) != TextureKind::tess && a.output != standard_stream)
         return {ErrorCode::bad_argument, a.output + ": encode writes .tess files"};
     TESSERA_TRY(check_tess_output(a.encode, a.output));
+    TESSERA_TRY(check_not_input(a));
+    Warnings warnings(a.encode.strict);
     TESSERA_TRY_ASSIGN(auto hints, make_hints(a.texture));
+    hints.warnings = &warnings;
     TESSERA_TRY_ASSIGN(const auto checked,
                        make_encode_options(a.encode, a.texture.threads, {}, {}));
     hints.decode = within_budget(hints.decode, checked.slab_bytes, a.reuse.empty() ? 1 : 2);
@@ -227,7 +243,8 @@ Status run(const EncodeCommand& a) {
     }();
     if (!report.ok())
         return with_memory_hint(report.status());
-    print_result(a, input, options, *report);
+    count_replaced(*report, warnings);
+    print_result(a, input, options, *report, warnings);
     return check_target(a.output, options, *report);
 }
 
@@ -243,12 +260,15 @@ void declare_cameras(CLI::App& c, CameraFacts& cameras) {
 void declare(CLI::App& c, EncodeCommand& a) {
     add_rate_options(c, a.encode); // the first heading
     c.add_option("input", a.input,
-                 "A folder of views (PNG, JPEG, EXR), a quilt or mosaic as one picture, raw "
-                 "samples (.rgb ...), a .tess or its URL, - for standard input")
+                 "A folder of views (PNG, JPEG, EXR, TIFF and others), a quilt or mosaic as one "
+                 "picture, a film of views (.y4m), raw samples (.rgb ...), a .tess or its URL, - "
+                 "for standard input")
         ->required();
     c.add_option("-o,--output", a.output, "The .tess file to write; - is standard output")
         ->required();
     add_run_options(c, a.encode);
+    c.add_flag("--in-place", a.in_place,
+               "The output may be the input, which is replaced once the new file is complete");
     add_texture_options(c, a.texture);
     declare_cameras(c, a.cameras);
     add_layout_options(c, a.encode);

@@ -37,8 +37,10 @@ Status add_model_truth(const StageRequest& r, const Metadata& metadata,
         return {ErrorCode::bad_argument,
                 r.file + ": was not baked from a model, but --truth " + r.truth + " is a model"};
     TESSERA_TRY_ASSIGN(ModelArguments arguments, arguments_in(metadata).with_context(r.file));
-    if (!r.truth_environment.empty())
+    if (!r.truth_environment.empty()) {
         arguments.environment = r.truth_environment;
+        arguments.environment_layer.clear();
+    }
     TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(r.truth, arguments));
     RenderOptions options = asked;
     const unsigned paths = r.truth_samples.value_or(usual_model_paths);
