@@ -58,8 +58,8 @@ TEST(SmallStack, HoldsEncodingAndDecodingAtAllEfforts) {
             layered.layers = true;
             layered.tile_extent = {8, 8, 4, 4};
             round_trip(views, layered, 30);
-            round_trip(describe({40, 33, 1, 1}, SampleType::unorm8, 3),
-                       options({Kind::bytes, 900}), 20);
+            round_trip(describe({40, 33, 1, 1}, SampleType::unorm8, 3), options({Kind::bytes, 900}),
+                       20);
             round_trip(describe({9, 8, 3, 4}, SampleType::half16, 4), options({Kind::quality, 60}),
                        30);
         });

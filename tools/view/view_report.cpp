@@ -39,6 +39,10 @@ const ReportColumn columns[] = {
     {"uncompressed/truth", "uncompressed_truth", &ViewFigures::uncompressed_truth},
     {"compressed/uncompressed", "compressed_uncompressed", &ViewFigures::compressed_uncompressed}};
 
+Json number_or_null(double x) {
+    return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+
 std::string pad_left(const std::string& text, std::size_t width) {
     return std::string(width - std::min(width, text.size()), ' ') + text;
 }
@@ -50,12 +54,23 @@ std::string pad_right(const std::string& text, std::size_t width) {
 } // namespace
 
 Likeness likeness_of(const Picture& a, const Picture& b) {
-    double squares = 0;
-    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
-        const double d = std::to_integer<int>(a.rgb[i]) - std::to_integer<int>(b.rgb[i]);
-        squares += d * d;
+    double squares = 0, object_samples = 0;
+    const auto shows_background = [&](const Picture& p, std::size_t pixel) {
+        return std::equal(a.rgb.begin(), a.rgb.begin() + 3,
+                          p.rgb.begin() + static_cast<std::ptrdiff_t>(pixel));
+    };
+    for (std::size_t i = 0; i < a.rgb.size(); i += 3) {
+        if (shows_background(a, i) && shows_background(b, i))
+            continue; // no error
+        object_samples += 3;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double d =
+                std::to_integer<int>(a.rgb[i + c]) - std::to_integer<int>(b.rgb[i + c]);
+            squares += d * d;
+        }
     }
     return {psnr_of(squares / static_cast<double>(a.rgb.size()), 255),
+            psnr_of(squares / std::max(object_samples, 1.0), 255),
             ssim(luma_of(a), luma_of(b), a.width, a.height, 255)};
 }
 
@@ -93,7 +108,8 @@ Json to_json(const ViewFigures& figures) {
     Json json = Json::object();
     for (const ReportColumn& column : columns)
         if (const std::optional<Likeness>& l = figures.*column.figures)
-            json[column.key] = {{"psnr", std::isfinite(l->psnr) ? Json(l->psnr) : Json(nullptr)},
+            json[column.key] = {{"psnr", number_or_null(l->psnr)},
+                                {"object_psnr", number_or_null(l->object_psnr)},
                                 {"ssim", l->ssim}};
     return json;
 }

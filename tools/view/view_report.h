@@ -15,6 +15,9 @@ namespace tessera {
 // The similarity of two 8-bit pictures as displayed, including the background.
 struct Likeness {
     double psnr = 0; // dB over all samples, with peak 255; infinite for equal pictures
+    // The same over the pixels that do not show the background: those where one of the pictures
+    // differs from the top left pixel of the first.
+    double object_psnr = 0;
     double ssim = 0; // of luma, computed from code values with the BT.709 weights
 };
 // Precondition: both have the same size.

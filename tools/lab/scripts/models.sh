@@ -1,0 +1,82 @@
+#!/bin/sh
+# Measures baked models against path-traced truth: the tables of tests/regression/models.md.
+#   tools/lab/scripts/models.sh TESSERA SHARED OUT
+# SHARED holds the folder assets of models and environments. Files that OUT already has are used
+# again. Takes about half an hour on two cores.
+set -eu
+tool=$1 shared=$2 out=$3
+assets=$shared/assets
+mkdir -p "$out"
+
+# Bakes once: bake NAME MODEL options...
+bake() {
+    file=$out/$1.tess
+    name=$1 model=$2
+    shift 2
+    [ -e "$file" ] || "$tool" bake "$model" -o "$file" --env "$assets/studio.exr" --json "$@" \
+        > "$out/$name.json"
+}
+
+# Renders one view beside its truth: view NAME MODEL POSE eye look fov
+view() {
+    result=$out/$1-$3
+    [ -e "$result.json" ] || "$tool" render "$out/$1.tess" -o "$result.png" --eye "$4" --look "$5" \
+        --fov "$6" --pixels 320x240 --truth "$2" --truth-spp 256 --write-all --json > "$result.json"
+}
+
+# The poses of FlightHelmet in SURFACES.md: three close by, four whole.
+helmet_views() {
+    view "$1" "$helmet" c1 0.9,1.75,2.9 0,1.2,0.2 36
+    view "$1" "$helmet" c2 -3.3,0.9,1.9 -0.3,0.75,0.1 36
+    view "$1" "$helmet" c3 0.7,0.5,2.5 0,0.35,0.3 36
+    view "$1" "$helmet" w1 2.1,1.3,7.7 0,0,0 45
+    view "$1" "$helmet" w2 -5.9,2,4.8 0,0,0 45
+    view "$1" "$helmet" w3 6.5,0.8,-4.5 0,0,0 45
+    view "$1" "$helmet" w4 1,5.8,5 0,0,0 45
+}
+
+# Two poses close by and two whole, for a model that fills the sphere of radius 3.5.
+usual_views() {
+    view "$1" "$2" c1 2.5,1.5,5 0,0.3,0 36
+    view "$1" "$2" c2 -3.5,2.5,3.5 0,0,0 36
+    view "$1" "$2" w1 2.1,1.3,9 0,0,0 45
+    view "$1" "$2" w2 -6,4,-6 0,0,0 45
+}
+
+helmet=$assets/models/FlightHelmet/FlightHelmet.gltf
+for bytes in 260000 320000 400000 500000; do
+    bake "helmet-$bytes" "$helmet" --layered --target-bytes $bytes
+    helmet_views "helmet-$bytes"
+done
+bake helmet-flat "$helmet" --directions 1x1 --density 70 --spp 4 --target-bytes 400000
+helmet_views helmet-flat
+
+for model in bunny suzi pmndrs; do
+    bake "$model-layers" "$assets/$model.glb" --layered --texels 200000
+    usual_views "$model-layers" "$assets/$model.glb"
+    bake "$model-single" "$assets/$model.glb" --spp 4
+    usual_views "$model-single" "$assets/$model.glb"
+done
+
+python3 - "$out" << 'END'
+import glob, json, math, os, sys
+out = sys.argv[1]
+def mean_psnr(figures):
+    return -10 * math.log10(sum(10 ** (-p / 10) for p in figures) / len(figures))
+print('| file | bytes | seconds | close, dB | whole, dB | SSIM close, whole | whole picture, dB |')
+print('|---|---|---|---|---|---|---|')
+for path in sorted(glob.glob(out + '/*.tess')):
+    name = os.path.basename(path)[:-5]
+    views = {p[len(out) + len(name) + 2:-5]: json.load(open(p))['views'][0]['compressed_truth']
+             for p in glob.glob(f'{out}/{name}-[cw][0-9].json')}
+    if not views:
+        continue
+    close = [v for k, v in views.items() if k[0] == 'c']
+    whole = [v for k, v in views.items() if k[0] == 'w']
+    ssim = ', '.join('%.3f' % (sum(v['ssim'] for v in s) / len(s)) for s in (close, whole))
+    seconds = json.load(open(f'{out}/{name}.json'))['seconds']
+    print('| %s | %d | %.0f | %.2f | %.2f | %s | %.2f |' % (
+        name, os.path.getsize(path), seconds, mean_psnr([v['object_psnr'] for v in close]),
+        mean_psnr([v['object_psnr'] for v in whole]), ssim,
+        mean_psnr([v['psnr'] for v in views.values()])))
+END
