@@ -26,10 +26,14 @@ enum class LayerRole : std::uint8_t {
     normal = 4,     // x and y of the bumped normal in the frame of the mesh
     visibility = 5, // the share of each light that reaches the surface
     reflection = 6, // the light that arrives from mirrored directions
+    coverage = 7,   // where it is below least_coverage, there is no surface
 };
 template <>
-inline constexpr std::array<const char*, 7> value_names<LayerRole>{
-    "diffuse", "emission", "specular", "roughness", "normal", "visibility", "reflection"};
+inline constexpr std::array<const char*, 8> value_names<LayerRole>{
+    "diffuse", "emission",   "specular",   "roughness",
+    "normal",  "visibility", "reflection", "coverage"};
+
+inline constexpr double least_coverage = 0.5;
 
 // Distant light from a patch of directions.
 struct DistantLight {

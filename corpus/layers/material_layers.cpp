@@ -1,5 +1,6 @@
 #include "corpus/layers/material_layers.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -44,6 +45,24 @@ std::optional<Material> material_of(const ModelPlaces& fine, const PlaceLight& l
     return sum;
 }
 
+// The share of the texel that alpha masks leave.
+double coverage_of(const ModelPlaces& fine, std::uint32_t u, std::uint32_t v) {
+    constexpr int side = 4;
+    int covered = 0;
+    for (int j = 0; j < side; ++j)
+        for (int i = 0; i < side; ++i) {
+            const glm::dvec2 offset((i + 0.5) / side - 0.5, (j + 0.5) / side - 0.5);
+            covered += !fine.model()->is_cut_out(fine.place(u, v, offset).on);
+        }
+    return static_cast<double>(covered) / (side * side);
+}
+
+bool is_masked(const Model& model) {
+    return std::ranges::any_of(model.triangles, [&](const ModelTriangle& t) {
+        return model.materials[t.material].cutoff > 0.0;
+    });
+}
+
 bool emits(const Model& model) {
     for (const ModelTriangle& t : model.triangles) {
         const glm::dvec3& e = model.materials[t.material].emission;
@@ -64,7 +83,10 @@ Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
                  emission = make_layer(LayerRole::emission, whole, 3),
                  specular = make_layer(LayerRole::specular, whole, 3),
                  roughness = make_layer(LayerRole::roughness, whole, 1),
-                 normal = make_layer(LayerRole::normal, whole, 2);
+                 normal = make_layer(LayerRole::normal, whole, 2),
+                 coverage = make_layer(LayerRole::coverage, whole, 1);
+    const Model& model = fine.model()->model();
+    const bool masked = is_masked(model);
     specular.transfer = Transfer::srgb;
     LightTexels leaving(fine.texels(), glm::vec3(0.0f)), emitted = leaving;
     TESSERA_TRY(for_rows("baking materials", size[1], run, [&](std::uint32_t v) {
@@ -75,6 +97,12 @@ Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
             if (!m)
                 continue;
             const std::size_t i = std::size_t{v} * size[0] + u;
+            if (masked) {
+                const double covered = coverage_of(fine, u, v);
+                store_values(coverage, i, {covered});
+                if (covered == 0.0)
+                    continue; // nobody sees the other layers
+            }
             leaving[i] = glm::vec3(m->diffuse * exposure);
             emitted[i] = glm::vec3(m->emission * exposure);
             diffuse.mask[i] = emission.mask[i] = std::byte{1};
@@ -91,7 +119,9 @@ Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
     store_light(emission, emitted, most_emission);
     std::vector<LayerTexture> layers;
     layers.push_back(std::move(diffuse));
-    if (emits(fine.model()->model()))
+    if (masked)
+        layers.push_back(std::move(coverage));
+    if (emits(model))
         layers.push_back(std::move(emission));
     for (LayerTexture* layer : {&specular, &roughness, &normal})
         layers.push_back(std::move(*layer));

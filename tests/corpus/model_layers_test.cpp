@@ -119,6 +119,31 @@ TEST(ModelLayers, ConvexBodiesAreLitEvenly) {
         ASSERT_EQ(b, std::byte{0});
 }
 
+// Alpha masks become coverage, and what they remove is masked in the other layers.
+TEST(ModelLayers, CoverageFollowsAlphaMasks) {
+    Model model = cube_model();
+    model.materials[0].cutoff = 0.5;
+    for (ModelVertex& v : model.vertices)
+        v.colour.a = v.position.y > 0 ? 1.0f : 0.0f;
+    const ModelLayers layers = baked(model, white_light(), quick());
+    const LayerTexture& coverage = layer(layers, LayerRole::coverage);
+    const LayerTexture& diffuse = layer(layers, LayerRole::diffuse);
+    std::array<double, 2> covered{}; // by whether the texel is
+    for (std::size_t i = 0; i < coverage.mask.size(); ++i)
+        if (coverage.mask[i] != std::byte{0}) {
+            const bool is_covered = coverage.texels[i] > std::byte{127};
+            ++covered[is_covered];
+            if (coverage.texels[i] == std::byte{0})
+                ASSERT_EQ(diffuse.mask[i], std::byte{0});
+            if (is_covered)
+                ASSERT_EQ(diffuse.mask[i], std::byte{1});
+        }
+    // The upper halves of four sides and the top are left: half of the faces seen from outside.
+    EXPECT_NEAR(covered[1] / (covered[0] + covered[1]), 0.5, 0.05);
+    for (const LayerTexture& other : baked(cube_model(), white_light(), quick()).layers)
+        EXPECT_NE(other.role, LayerRole::coverage);
+}
+
 // The bytes depend on the arguments only.
 TEST(ModelLayers, DoNotDependOnThreads) {
     const ModelLight light{std::make_shared<const Environment>(Environment::studio()), {}};

@@ -138,13 +138,13 @@ LayerTable read_layers(Bytes section, uint64_t index_end, uint64_t file_size) {
     require(is_scale(table.scale), "LAYR: scale");
     require(section.size() == 8 + 20 * count + 14 * lights, "LAYR: length");
     uint64_t firsts = 0, datas = 0;
-    std::vector<bool> has(7, false);
+    std::vector<bool> has(8, false);
     has[0] = true;
     for (size_t i = 0; i < count; ++i) {
         const Bytes entry = section.subspan(8 + 20 * i, 20);
         const LayerTable::Further layer{
             u8(entry, 0), f32(entry, 4), u32(entry, 8), u64(entry, 12), 0, 0};
-        if (layer.role > 6)
+        if (layer.role > 7)
             throw Refusal{"LAYR: unknown role"};
         require(u8(entry, 1) == 0 && u8(entry, 2) == 0 && u8(entry, 3) == 0, "LAYR: bytes 1..3");
         require(is_scale(layer.scale), "LAYR: scale");

@@ -13,6 +13,9 @@
 namespace tessera {
 namespace {
 
+constexpr int most_holes = 64;       // of one ray
+constexpr double step_behind = 1e-5; // past a hole, relative to its distance
+
 glm::dvec3 linear(const glm::dvec3& value, Transfer transfer) {
     if (transfer != Transfer::srgb)
         return value;
@@ -84,6 +87,8 @@ public:
 private:
     Result<glm::dvec3> colour(Readers& readers, const Camera& camera,
                               const glm::dvec3& direction) const;
+    Result<std::optional<MeshHit>> first_hit(Readers& readers, const Camera& camera,
+                                             const glm::dvec3& direction) const;
     // The value of a layer, linear and scaled; nothing if the file has no such layer.
     Result<std::optional<glm::dvec4>> value(Readers& readers, LayerRole role, const glm::dvec2& uv,
                                             const glm::dvec2& st, const glm::dvec2& covered) const;
@@ -155,9 +160,26 @@ Result<glm::dvec3> LayeredRenderer::light_of_lights(Readers& readers,
     return sum;
 }
 
+// Passes through places that are not covered.
+Result<std::optional<MeshHit>> LayeredRenderer::first_hit(Readers& readers, const Camera& camera,
+                                                          const glm::dvec3& direction) const {
+    double from = 0.0;
+    for (int i = 0; i < most_holes; ++i) {
+        const auto hit = rays_.first_hit(camera, direction, from);
+        if (!hit)
+            return std::optional<MeshHit>();
+        TESSERA_TRY_ASSIGN(const auto covered, value(readers, LayerRole::coverage, hit->point.uv,
+                                                     glm::dvec2(0.5), glm::dvec2(0.0)));
+        if (!covered || covered->x >= least_coverage)
+            return hit;
+        from = hit->distance + step_behind * std::max(1.0, hit->distance);
+    }
+    return std::optional<MeshHit>();
+}
+
 Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camera,
                                            const glm::dvec3& direction) const {
-    const auto hit = rays_.first_hit(camera, direction);
+    TESSERA_TRY_ASSIGN(const auto hit, first_hit(readers, camera, direction));
     if (!hit)
         return background_;
     const glm::dvec3 view = -glm::normalize(direction);

@@ -11,13 +11,14 @@ Result<MeshRays> MeshRays::make(SurfaceMesh mesh) {
     return MeshRays(std::move(mesh), std::move(fronts));
 }
 
-std::optional<MeshHit> MeshRays::first_hit(const Camera& camera,
-                                           const glm::dvec3& direction) const {
-    const auto hit = fronts_.first_hit(camera.eye, direction);
+std::optional<MeshHit> MeshRays::first_hit(const Camera& camera, const glm::dvec3& direction,
+                                           double from) const {
+    const auto hit = fronts_.first_hit(camera.eye + from * direction, direction);
     if (!hit)
         return std::nullopt;
     const SurfacePoint point = surface_point(mesh_, tangents_, hit->triangle, hit->barycentric);
-    return MeshHit{point, covered(camera, direction, hit->triangle, point.position)};
+    return MeshHit{point, from + hit->distance,
+                   covered(camera, direction, hit->triangle, point.position)};
 }
 
 glm::dvec2 MeshRays::covered(const Camera& camera, const glm::dvec3& direction,

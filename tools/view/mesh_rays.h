@@ -12,6 +12,7 @@ namespace tessera {
 
 struct MeshHit {
     SurfacePoint point;
+    double distance = 0; // along the ray, in lengths of its direction
     // How much of the atlas a pixel covers along u and v, as a share of the whole atlas.
     glm::dvec2 covered{0.0};
 };
@@ -21,8 +22,10 @@ class MeshRays {
 public:
     // Error: runtime, with Embree's message.
     static Result<MeshRays> make(SurfaceMesh mesh);
-    // Rays pass through backs, as on the GPU.
-    std::optional<MeshHit> first_hit(const Camera& camera, const glm::dvec3& direction) const;
+    // The first hit that is at least `from` away, in lengths of the direction. Rays pass through
+    // backs, as on the GPU.
+    std::optional<MeshHit> first_hit(const Camera& camera, const glm::dvec3& direction,
+                                     double from = 0.0) const;
     const SurfaceMesh& mesh() const { return mesh_; }
 
 private:
