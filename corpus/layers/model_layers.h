@@ -18,8 +18,8 @@ struct ModelLayersOptions {
     PlaceLightOptions light;
     double exposure = 1.0;
     // Texels are baked on the decoded mesh, so coarse uv move no texel to a wrong place.
-    unsigned position_bits = 11, uv_bits = 13;
-    unsigned normal_bits = 7; // if the mesh has normals
+    unsigned position_bits = 11, uv_bits = 12;
+    unsigned normal_bits = 6; // if the mesh has normals
     BakeRun run;
 };
 

@@ -24,7 +24,7 @@ view() {
         --fov "$6" --pixels 320x240 --truth "$2" --truth-spp 256 --write-all --json > "$result.json"
 }
 
-# The poses of FlightHelmet in SURFACES.md: three close by, four whole.
+# Three poses close by and four whole, in the units of `bake`.
 helmet_views() {
     view "$1" "$helmet" c1 0.9,1.75,2.9 0,1.2,0.2 36
     view "$1" "$helmet" c2 -3.3,0.9,1.9 -0.3,0.75,0.1 36
