@@ -36,7 +36,7 @@ function(tessera_wasm_sources variable)
          "/format/(surface/|io/(output_|unfinished)|container/container_(writer|validate)|geometry|sampler)")
     list(FILTER all EXCLUDE REGEX "/(c_api/c_api_decode|kernels/kernels_(avx2|scalar))\\.cpp$")
     file(GLOB own CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/decoder/*.cpp)
-    set(${variable} ${all} ${own} PARENT_SCOPE)
+    set(${variable} ${all} ${own} ${PROJECT_SOURCE_DIR}/tools/view/layer_files.cpp PARENT_SCOPE)
 endfunction()
 
 # tessera_wasm(OUTPUT source...) builds a module. Sources with equal options are compiled as one source, like with
@@ -49,7 +49,7 @@ function(tessera_wasm output)
         -fvisibility=hidden -I${PROJECT_SOURCE_DIR}
         -include ${PROJECT_SOURCE_DIR}/tools/web/decoder/threads.h)
     # Code that runs once per file or once per tile is optimised for size.
-    set(small format format/io format/container codec/texels codec/decode)
+    set(small format format/io format/container codec/texels codec/decode tools/view)
     set(text_Oz)
     set(text_O2)
     foreach(source IN LISTS ARGN)
