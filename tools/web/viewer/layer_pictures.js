@@ -29,8 +29,9 @@ class LayerPictures {
         return texture;
     }
 
+    // Filled up to a multiple of four lights.
     lightsPicture(lights) {
-        const {gl} = this, texture = this.picture(gl.RGBA32F, 2, Math.max(1, lights.length));
+        const {gl} = this, texture = this.picture(gl.RGBA32F, 2, 4 * Math.ceil(Math.max(1, lights.length) / 4));
         const numbers = lights.flatMap(({direction, spread, irradiance}) => [...direction, spread, ...irradiance, 0]);
         if (lights.length)
             gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 2, lights.length, gl.RGBA, gl.FLOAT, new Float32Array(numbers));

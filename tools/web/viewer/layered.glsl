@@ -17,19 +17,18 @@ int placesOf = -1;
 
 // Sets `places`.
 void findPlaces(int atlas, vec2 uv, vec2 footprint) {
-    if (atlas == placesOf)
-        return;
-    placesOf = atlas;
-    float mip = mipOf(atlas, footprint);
-    int first = int(mip);
-    float second = mip - float(first);
-    places.count = second > 0.0 ? 2 : 1;
-    for (int i = 0; i < places.count; ++i) {
-        AtlasPlace at = atlasPlace(atlas, uv, first + i);
-        ivec2 begin = mipBegin(atlas, at.mip);
-        places.low[i] = begin + at.low;
-        places.high[i] = begin + at.high;
-        places.share[i] = at.share * (i == 0 ? 1.0 - second : second);
+    for (; placesOf != atlas; placesOf = atlas) {
+        float mip = mipOf(atlas, footprint);
+        int first = int(mip);
+        float second = mip - float(first);
+        places.count = second > 0.0 ? 2 : 1;
+        for (int i = 0; i < places.count; ++i) {
+            AtlasPlace at = atlasPlace(atlas, uv, first + i);
+            ivec2 begin = mipBegin(atlas, at.mip);
+            places.low[i] = begin + at.low;
+            places.high[i] = begin + at.high;
+            places.share[i] = at.share * (i == 0 ? 1.0 - second : second);
+        }
     }
 }
 
@@ -51,6 +50,11 @@ vec3 lightOf(vec3 value, int role) {
     return light * layerScales[role];
 }
 
+// 1 if a layer is not loaded, else 0: for loops that are skipped then, like those in slots.glsl.
+int missing(int role) {
+    return layers[role].x < 0 ? 1 : 0;
+}
+
 const int emission = 1, specular = 2, roughness = 3, normal = 4, visibility = 5, reflection = 6;
 
 vec3 reflectedLight(TsrMeshFrame frame, vec3 direction) {
@@ -65,22 +69,25 @@ vec3 reflectedLight(TsrMeshFrame frame, vec3 direction) {
     return lightOf(sum.rgb, reflection);
 }
 
-// A pixel of the layer of visibility holds four lights.
+vec3 lightOf(TsrReflectance r, int number) {
+    vec4 to = texelFetch(lights, ivec2(0, number), 0);
+    return tsr_light_of(r, TsrLight(to.xyz, to.w, texelFetch(lights, ivec2(1, number), 0).rgb));
+}
+
+// A pixel of the layer of visibility holds four lights. `lights` is filled up to a multiple of four with dark ones.
 vec3 lightOfLights(TsrReflectance r) {
     ivec2 pixels = layers[visibility].zw;
     vec3 sum = vec3(0.0);
-    vec4 seen = vec4(1.0);
-    int four = layers[visibility].x < 0 ? 1 << 20 : -1; // number of the lights in `seen`, divided by four
-    for (int j = 0; j < lightCount; ++j) {
-        vec4 to = texelFetch(lights, ivec2(0, j), 0);
-        vec3 light = tsr_light_of(r, TsrLight(to.xyz, to.w, texelFetch(lights, ivec2(1, j), 0).rgb));
-        if (max(light.r, max(light.g, light.b)) < 1e-5)
-            continue;
-        if (j >> 2 > four) {
-            four = j >> 2;
-            seen = layerAt(visibilityLayer, pixels, ivec2(four % pixels.x, four / pixels.x));
+    for (int four = 0; 4 * four < lightCount; ++four) {
+        int first = 4 * four;
+        vec3 a = lightOf(r, first), b = lightOf(r, first + 1), c = lightOf(r, first + 2), d = lightOf(r, first + 3);
+        vec3 most = max(max(a, b), max(c, d));
+        for (int once = max(most.r, max(most.g, most.b)) < 1e-5 ? 1 : 0; once < 1; ++once) {
+            vec4 seen = vec4(1.0);
+            for (int there = missing(visibility); there < 1; ++there)
+                seen = layerAt(visibilityLayer, pixels, ivec2(four % pixels.x, four / pixels.x));
+            sum += seen.x * a + seen.y * b + seen.z * c + seen.w * d;
         }
-        sum += seen[j & 3] * light;
     }
     return sum;
 }
@@ -89,30 +96,30 @@ vec3 lightOfLights(TsrReflectance r) {
 // the pixel covers of them; direction: towards the observer.
 vec3 withLayers(vec3 diffuse, vec2 uv, vec2 footprint, TsrMeshFrame frame, vec3 direction) {
     vec3 light = lightOf(diffuse, 0), share = vec3(1.0);
-    if (layers[normal].x >= 0) {
+    for (int once = missing(normal); once < 1; ++once) {
         findPlaces(layers[normal].x, uv, footprint);
         frame.z = tsr_bumped_normal(frame, layerAt(normalLayer, ivec2(1), ivec2(0)).rg);
     }
     frame.z = tsr_facing_normal(frame.z, direction);
-    if (layers[specular].x >= 0) {
+    for (int once = missing(specular); once < 1; ++once) {
         TsrReflectance r = TsrReflectance(frame.z, direction, vec3(0.0), 1.0);
         findPlaces(layers[specular].x, uv, footprint);
         r.specular = lightOf(layerAt(specularLayer, ivec2(1), ivec2(0)).rgb, specular);
-        if (layers[roughness].x >= 0) {
+        for (int once = missing(roughness); once < 1; ++once) {
             findPlaces(layers[roughness].x, uv, footprint);
             r.roughness = lightOf(layerAt(roughnessLayer, ivec2(1), ivec2(0)).rgb, roughness).r;
         }
         light *= tsr_diffuse_share(r);
-        if (layers[visibility].x >= 0)
+        for (int once = missing(visibility); once < 1; ++once)
             findPlaces(layers[visibility].x, uv, footprint);
         light += lightOfLights(r);
         share = tsr_reflection_share(r);
     }
-    if (layers[reflection].x >= 0) {
+    for (int once = missing(reflection); once < 1; ++once) {
         findPlaces(layers[reflection].x, uv, footprint);
         light += share * reflectedLight(frame, direction);
     }
-    if (layers[emission].x >= 0) {
+    for (int once = missing(emission); once < 1; ++once) {
         findPlaces(layers[emission].x, uv, footprint);
         light += lightOf(layerAt(emissionLayer, ivec2(1), ivec2(0)).rgb, emission);
     }
