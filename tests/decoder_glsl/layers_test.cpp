@@ -17,7 +17,7 @@ using namespace glm;
 namespace tessera::test {
 namespace {
 
-namespace shader = layers_shader;
+namespace light_shader = layers_shader;
 
 // A mirror, rough surfaces, and those between.
 double roughness_from(std::mt19937_64& random) {
@@ -45,7 +45,7 @@ DistantLight random_light(std::mt19937_64& random, const Reflectance& r) {
     return light;
 }
 
-shader::TsrReflectance in_shader(const Reflectance& r) {
+light_shader::TsrReflectance in_shader(const Reflectance& r) {
     return {glm::vec3(r.normal), glm::vec3(r.view), glm::vec3(r.specular),
             static_cast<float>(r.roughness)};
 }
@@ -60,16 +60,17 @@ TEST(LayersShader, LightAgreesWithDoublePrecision) {
     for (int i = 0; i < 100000; ++i) {
         const Reflectance r = random_reflectance(random);
         const DistantLight light = random_light(random, r);
-        const shader::TsrReflectance s = in_shader(r);
+        const light_shader::TsrReflectance s = in_shader(r);
         const glm::dvec3 expected = r.of(light);
         brightest = std::max(brightest, expected.z);
         worst = std::max(worst,
-                         relative_error(glm::dvec3(shader::tsr_light_of(
+                         relative_error(glm::dvec3(light_shader::tsr_light_of(
                                             s, {light.direction, light.spread, light.irradiance})),
                                         expected));
-        ASSERT_NEAR(shader::tsr_diffuse_share(s), r.diffuse_share(), 1e-6);
-        ASSERT_LT(relative_error(glm::dvec3(shader::tsr_reflection_share(s)), r.of_reflection()),
-                  1e-5);
+        ASSERT_NEAR(light_shader::tsr_diffuse_share(s), r.diffuse_share(), 1e-6);
+        ASSERT_LT(
+            relative_error(glm::dvec3(light_shader::tsr_reflection_share(s)), r.of_reflection()),
+            1e-5);
     }
     EXPECT_GT(brightest, 1e4) << "no light was in the middle of a sharp highlight";
     // Roundings of unit vectors matter beside the width of a sharp highlight.
@@ -83,16 +84,16 @@ TEST(LayersShader, NormalsAgreeWithDoublePrecision) {
         const SurfaceFrame frame = surface_frame(unit_vector(random));
         const int a = static_cast<int>(random() % 256), b = static_cast<int>(random() % 256);
         const glm::dvec3 expected = bumped_normal(frame, glm::dvec2(a - 128.0, b - 128.0) / 127.0);
-        const glm::vec3 found = shader::tsr_bumped_normal(
+        const glm::vec3 found = light_shader::tsr_bumped_normal(
             {glm::vec3(frame.ex), glm::vec3(frame.ez)},
             glm::vec2(static_cast<float>(a), static_cast<float>(b)) / 255.0f);
         ASSERT_LT(glm::length(glm::dvec3(found) - expected), 2e-3) << a << " " << b;
         const glm::dvec3 view = unit_vector(random);
         if (glm::dot(expected, view) < -0.9999)
             continue; // straight into the surface: no direction along it
-        ASSERT_LT(glm::length(
-                      glm::dvec3(shader::tsr_facing_normal(glm::vec3(expected), glm::vec3(view))) -
-                      facing_normal(expected, view)),
+        ASSERT_LT(glm::length(glm::dvec3(light_shader::tsr_facing_normal(glm::vec3(expected),
+                                                                         glm::vec3(view))) -
+                              facing_normal(expected, view)),
                   1e-4);
     }
 }
@@ -100,11 +101,11 @@ TEST(LayersShader, NormalsAgreeWithDoublePrecision) {
 TEST(LayersShader, ValuesAreShownAsTheyAreStored) {
     for (int sample = 0; sample < 256; ++sample) {
         const float x = static_cast<float>(sample) / 255.0f;
-        EXPECT_NEAR(shader::tsr_displayed(shader::tsr_linear(x)), x, 1e-5f);
+        EXPECT_NEAR(light_shader::tsr_displayed(light_shader::tsr_linear(x)), x, 1e-5f);
     }
-    EXPECT_NEAR(shader::tsr_linear(0.5f), 0.21404114f, 1e-6f); // IEC 61966-2-1
-    EXPECT_NEAR(shader::tsr_displayed(7.0f), 1.0f, 1e-6f);
-    EXPECT_EQ(shader::tsr_displayed(-1.0f), 0.0f);
+    EXPECT_NEAR(light_shader::tsr_linear(0.5f), 0.21404114f, 1e-6f); // IEC 61966-2-1
+    EXPECT_NEAR(light_shader::tsr_displayed(7.0f), 1.0f, 1e-6f);
+    EXPECT_EQ(light_shader::tsr_displayed(-1.0f), 0.0f);
 }
 
 } // namespace
