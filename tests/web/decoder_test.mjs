@@ -8,11 +8,12 @@ import fs from 'node:fs';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {Worker} from 'node:worker_threads';
+import {bumpyBox} from './models.mjs';
 import {movingColour, texelsOf} from './textures.mjs';
 
 const [modulePath, wasmPath, tool, goldenFolder, scratch] = process.argv.slice(2);
 const moduleUrl = pathToFileURL(path.resolve(modulePath)).href;
-const {loadTessera, httpSource, ALPHA, ANGULAR_MAP, PRIMARIES, PROXY, SAMPLE_TYPE, SURFACE_MAP, TRANSFER} =
+const {loadTessera, httpSource, ALPHA, ANGULAR_MAP, LAYER_ROLE, PRIMARIES, PROXY, SAMPLE_TYPE, SURFACE_MAP, TRANSFER} =
     await import(moduleUrl);
 const wasm = fs.readFileSync(wasmPath);
 const codec = await loadTessera(wasm);
@@ -62,6 +63,39 @@ function bake(name, ...words) {
 const layered = bake('layered.tess', '--size', '40x24x12x10', '--tile', '16x16x4x4', '--layers', '--max-error', '0',
                      '--effort', '1');
 const mesh = bake('mesh.tess', '--proxy', 'mesh', '--density', '0.5', '--directions', '4x4', '--effort', '2');
+// A file of several textures. It is larger than one read.
+const lit = path.join(scratch, 'lit.tess');
+fs.writeFileSync(path.join(scratch, 'box.gltf'), bumpyBox());
+run('bake', path.join(scratch, 'box.gltf'), '-o', lit, '--layered', '--texels', '20000', '--lights', '8', '--spp', '1',
+    '--quality', '100', '-q');
+
+// The layers after the first one as files of their own (FORMAT.md 1.7): {role, scale, begin, end, bytes}, where begin
+// and end are those of their DATA.
+function cutLayers(bytes) {
+    const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+    let at = 92 + 12 * bytes[36], section = 0;
+    for (let i = 0; i < bytes[36]; ++i) {
+        if (bytes.toString('latin1', 92 + 12 * i, 96 + 12 * i) === 'LAYR')
+            section = at;
+        at += view.getUint32(100 + 12 * i, true);
+    }
+    at += view.getUint32(32, true);
+    const layers = Array.from({length: bytes[section]}, (_, i) => {
+        const entry = section + 8 + 20 * i, first = view.getUint32(entry + 8, true);
+        const layer = {role: bytes[entry], scale: view.getFloat32(entry + 4, true), data: view.getUint32(entry + 12, true),
+                       first: bytes.subarray(at, at + first)};
+        at += first;
+        return layer;
+    });
+    let end = bytes.length;
+    for (const layer of layers.toReversed()) {
+        Object.assign(layer, {begin: end - layer.data, end});
+        layer.bytes = Buffer.concat([layer.first, bytes.subarray(layer.begin, end)]);
+        end = layer.begin;
+    }
+    return layers;
+}
+
 // Moving views with noise, so that the file is larger than one read.
 function movingViews(name, size) {
     let seed = 1;
@@ -212,6 +246,38 @@ const tests = {
         const cut = bytes.subarray(0, Math.floor(bytes.length * 0.6));
         assert.throws(() => codec.openBytes(cut), /cut off/);
         assert.equal(codec.openBytes(cut, {partial: true}).atlas([0, 40, 0, 24]).length, 40 * 24 * 12 * 10 * 4);
+    },
+
+    async layersAreTexturesOfTheirOwn() {
+        const bytes = fs.readFileSync(lit), cut = cutLayers(bytes), file = codec.openBytes(bytes);
+        const {specular, roughness, normal, visibility, reflection} = LAYER_ROLE;
+        const {scale, further, lights} = file.layers();
+        assert(scale > 0);
+        assert.deepEqual(further.map(({role}) => role), [specular, roughness, normal, visibility, reflection]);
+        assert.deepEqual(further.map(({role, scale}) => [role, scale]), cut.map(({role, scale}) => [role, scale]));
+        assert.deepEqual(further.map(({file}) => file.info.channels), [3, 1, 2, 1, 3]);
+        assert.equal(lights.length, 8);
+        for (const {direction, spread, irradiance} of lights)
+            assert(Math.abs(Math.hypot(...direction) - 1) < 1e-6 && spread >= 0 && irradiance.some(x => x > 0));
+        assert.equal(fnv(file.box(everything(file))), fnv(nativeTexels(lit)));
+
+        const source = slowSource(bytes), far = await codec.openSource(source), opened = source.reads;
+        const {further: farther} = await far.fetchLayers();
+        assert(source.reads - opened <= 2, `${source.reads - opened} reads open the layers`);
+        for (const [i, {file: layer}] of further.entries()) {
+            const name = path.join(scratch, 'layer.tess');
+            fs.writeFileSync(name, cut[i].bytes);
+            const expected = fnv(nativeTexels(name));
+            assert.equal(fnv(layer.box(everything(layer))), expected, `role ${further[i].role}`);
+            assert.equal(fnv(await farther[i].file.fetchBox(everything(layer))), expected, `role ${further[i].role}`);
+        }
+        assert.deepEqual(codec.openBytes(fs.readFileSync(layered)).layers(), {scale: 1, further: [], lights: []});
+
+        const damaged = Buffer.from(bytes);
+        damaged[cut[2].first.byteOffset - bytes.byteOffset + 40] ^= 1; // in the header of the layer
+        assert.throws(() => codec.openBytes(damaged).layers(), /layer normal: .*checksum/);
+        further[0].file.close();
+        assert(file.closed);
     },
 
     async infoDescribesTheFile() {

@@ -1,6 +1,39 @@
-// Reads the pixels of an 8-bit RGB or RGBA PNG that is not interlaced.
-import {inflateSync} from 'node:zlib';
+// Reads and writes 8-bit PNGs that are not interlaced.
+import {deflateSync, inflateSync} from 'node:zlib';
 
+function checksum(bytes) {
+    let sum = 0xFFFFFFFF;
+    for (const byte of bytes) {
+        sum ^= byte;
+        for (let bit = 0; bit < 8; ++bit)
+            sum = sum >>> 1 ^ (sum & 1 ? 0xEDB88320 : 0);
+    }
+    return ~sum >>> 0;
+}
+
+// colour(x, y) returns [red, green, blue].
+export function pngOf(width, height, colour) {
+    const rows = Buffer.alloc((1 + 3 * width) * height);
+    for (let y = 0; y < height; ++y)
+        for (let x = 0; x < width; ++x)
+            rows.set(colour(x, y), (1 + 3 * width) * y + 1 + 3 * x);
+    const part = (kind, data) => {
+        const out = Buffer.alloc(12 + data.length);
+        out.writeUInt32BE(data.length);
+        out.write(kind, 4, 'latin1');
+        out.set(data, 8);
+        out.writeUInt32BE(checksum(out.subarray(4, 8 + data.length)), 8 + data.length);
+        return out;
+    };
+    const header = Buffer.alloc(13);
+    header.writeUInt32BE(width);
+    header.writeUInt32BE(height, 4);
+    header.set([8, 2], 8);
+    return Buffer.concat([Buffer.from('\x89PNG\r\n\x1a\n', 'latin1'), part('IHDR', header),
+                          part('IDAT', deflateSync(rows)), part('IEND', Buffer.alloc(0))]);
+}
+
+// The pixels of an RGB or RGBA picture.
 export function readPng(file) {
     const parts = [];
     let width, height, channels;

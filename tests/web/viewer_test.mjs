@@ -10,6 +10,7 @@ import {createServer} from 'node:http';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {Browser} from './browser.mjs';
+import {bumpyBox} from './models.mjs';
 import {compared, readPng} from './png.mjs';
 import {movingColour, texelsOf} from './textures.mjs';
 
@@ -35,6 +36,9 @@ function makeTextures() {
             '64x32x8x8', ...quick);
     tessera('bake', 'composed', '-o', inFolder('mesh.tess'), '--proxy', 'mesh', '--density', '6', '--directions', '8x8',
             ...quick);
+    writeFileSync(inFolder('box.gltf'), bumpyBox());
+    tessera('bake', inFolder('box.gltf'), '-o', inFolder('lit.tess'), '--layered', '--texels', '20000', '--lights', '8',
+            '--spp', '1', '--quality', '100', '-q');
     for (const [name, colour, ...more] of [['planar', planarColour, '0'],
                                            ['aligned', movingColour, '2', '--tile', '16x16x3x5']]) {
         writeFileSync(inFolder(`${name}.rgb`), texelsOf([48, 36, 5, 5], colour));
@@ -77,6 +81,38 @@ const tests = {
                        `${name} ${JSON.stringify(pose)}`);
             }
         }
+    },
+
+    // Sharp highlights exaggerate the rounding of positions and normals, so that the share of equal pixels is no measure.
+    async 'layers: what render draws, damage, and too little memory'(browser, {url}) {
+        tessera('view', inFolder('lit.tess'), '-o', inFolder('lit.html'), '-q');
+        const views = [{eye: '6,4,5'}, {eye: '1.6,1.3,1.9', look: '0.4,0.2,0.9', fov: 30}, {eye: '-30,18,9', fov: 12}];
+        for (const [i, pose] of views.entries()) {
+            const at = hash(pose, '400x300');
+            await browser.open(i === 1 ? `${url}?f=lit.tess${at.replace('#', '#parts&')}`
+                                       : `file://${inFolder('lit.html')}${at}`);
+            const picture = await browser.picture();
+            const {psnr} = compared(picture, rendered('lit.tess', pose, '400x300'));
+            console.log(`layers ${JSON.stringify(pose)}: ${psnr.toFixed(1)} dB`);
+            assert(hasContent(picture) && psnr > 40, `${psnr} dB`);
+            assert.equal(await browser.evaluate('Object.keys(tessera.layers.loaded).length'), 5);
+        }
+        const page = readFileSync(inFolder('lit.html'), 'latin1'), file = readFileSync(inFolder('lit.tess'));
+        const withFile = (name, bytes) => writeFileSync(
+            inFolder(name), page.replace(/id="file">[^<]*/, `id="file">${bytes.toString('base64')}`), 'latin1');
+        file[file.length - 20] ^= 1; // in the data of the last layer, reflection
+        withFile('damaged.html', file);
+        await browser.open(`file://${inFolder('damaged.html')}${hash(views[0])}`);
+        assert(hasContent(await browser.picture()));
+        assert.match(await browser.note(), /^The reflection layer cannot be shown: .*checksum/);
+        await browser.open(`file://${inFolder('lit.html')}${hash(views[0]).replace('#', '#cache=0.3&')}`);
+        assert(hasContent(await browser.picture()));
+        assert.match(await browser.note(), /^The roughness layer cannot be shown: .* 314.6 kB of GPU memory/);
+        file[file.indexOf('LAYR') + 4] ^= 1; // its checksum
+        withFile('damaged.html', file);
+        await browser.open(`file://${inFolder('damaged.html')}${hash(views[0])}`);
+        await browser.until(`document.getElementById('note')?.classList.contains('error')`, 'a message');
+        assert.match(await browser.note(), /checksum/);
     },
 
     async 'viewer and decoder stay within their size budget'() {

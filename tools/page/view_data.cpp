@@ -1,6 +1,7 @@
 #include "tools/page/view_data.h"
 
 #include "tools/page/gzip.h"
+#include "tools/view/layer_files.h"
 #include "tools/view/mesh_renderer.h"
 #include "tools/view/outside_colour.h"
 
@@ -121,45 +122,75 @@ bool fits_a_browser(const AtlasMips& mips) {
     return width <= 8192 && height <= 8192;
 }
 
-nlohmann::json add_mesh(const MeshSurface& surface, const TileGrid& tiles, Bytes& out) {
+// Appends the charts of the atlas that `tiles` divides.
+nlohmann::json add_atlas(const SurfaceMesh& mesh, const TileGrid& tiles, Bytes& out) {
+    const AtlasMips mips(mesh, tiles);
+    const bool with_mips = fits_a_browser(mips);
+    if (with_mips)
+        add_charts(mips, out);
+    return {{"mips", with_mips ? mips.count() : 0},
+            {"atlas", {tiles.size()[axis_u], tiles.size()[axis_v]}}};
+}
+
+// Whether two grids give the same texels in the atlas and the same mips.
+bool same_atlas(const TileGrid& a, const TileGrid& b) {
+    const auto same = [](const Extent4& p, const Extent4& q) {
+        return p[axis_u] == q[axis_u] && p[axis_v] == q[axis_v];
+    };
+    return same(a.size(), b.size()) && same(a.count(), b.count());
+}
+
+// `layers`: the grids of the tiles of all layers.
+nlohmann::json add_mesh(const MeshSurface& surface, std::span<const TileGrid> layers,
+                        bool has_normals, Bytes& out) {
     const SurfaceMesh& mesh = surface.mesh;
-    const bool has_tangents =
-        surface.map != AngularMap::octahedral_mirrored; // it needs no tangents
+    const bool has_tangents = surface.map != AngularMap::octahedral_mirrored || has_normals;
     glm::dvec3 low(mesh.positions.front()), high(low);
     for (const glm::dvec3 p : mesh.positions) {
         low = glm::min(low, p);
         high = glm::max(high, p);
     }
-    const AtlasMips mips(mesh, tiles);
-    const bool with_mips = fits_a_browser(mips);
     add_places(mesh, low, high, out);
     add_directions(mesh.normals, out);
     if (has_tangents)
         add_directions(mesh_tangents(mesh), out);
     add_uv(mesh, out);
     add_triangles(mesh, out);
-    if (with_mips)
-        add_charts(mips, out);
-    return {{"vertices", mesh.positions.size()},
-            {"triangles", mesh.triangles.size()},
-            {"tangents", has_tangents},
-            {"low", {low.x, low.y, low.z}},
-            {"high", {high.x, high.y, high.z}},
-            {"mips", with_mips ? mips.count() : 0},
-            {"atlas", {tiles.size()[axis_u], tiles.size()[axis_v]}}};
+    nlohmann::json about = add_atlas(mesh, layers.front(), out);
+    std::vector<TileGrid> atlases{layers.front()};
+    for (const TileGrid& layer : layers.subspan(1)) {
+        const auto known = std::ranges::find_if(
+            atlases, [&](const TileGrid& atlas) { return same_atlas(atlas, layer); });
+        about["layers"].push_back(known - atlases.begin());
+        if (known == atlases.end()) {
+            atlases.push_back(layer);
+            about["further"].push_back(add_atlas(mesh, layer, out));
+        }
+    }
+    about.update({{"vertices", mesh.positions.size()},
+                  {"triangles", mesh.triangles.size()},
+                  {"tangents", has_tangents},
+                  {"low", {low.x, low.y, low.z}},
+                  {"high", {high.x, high.y, high.z}}});
+    return about;
 }
 
 } // namespace
 
-Result<std::vector<std::byte>> make_view_data(const ContainerReader& container) {
+Result<std::vector<std::byte>> make_view_data(ByteSource& file, const ContainerReader& container) {
     TESSERA_TRY_ASSIGN(const glm::dvec3 outside, outside_colour(container));
     TESSERA_TRY_ASSIGN(const auto surface, mesh_surface(container));
     nlohmann::json about = {{"background", {outside.x, outside.y, outside.z}}};
     if (const auto said = container.metadata().find("Cameras"); said != container.metadata().end())
         about["cameras"] = said->second;
     Bytes columns;
+    TESSERA_TRY_ASSIGN(const auto further, open_layers(file, container, {}));
+    std::vector<TileGrid> layers{container.grid(0)};
+    for (const OpenLayerFile& layer : further)
+        layers.push_back(layer.decoder->container().grid(0));
     if (surface)
-        about["mesh"] = add_mesh(*surface, container.grid(0), columns);
+        about["mesh"] = add_mesh(*surface, layers,
+                                 container.layers().find(LayerRole::normal) != nullptr, columns);
     const std::string line = about.dump() + "\n";
     Bytes all;
     for (const char c : line)

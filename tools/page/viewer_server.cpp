@@ -25,7 +25,7 @@ constexpr std::size_t most_kept_view_data = std::size_t{64} << 20; // bytes
 Result<Bytes> view_data_of(const std::string& path) {
     TESSERA_TRY_ASSIGN(const auto source, open_file(path));
     TESSERA_TRY_ASSIGN(const auto container, ContainerReader::open(*source));
-    return make_view_data(container);
+    return make_view_data(*source, container);
 }
 
 // Caches the view data of the latest files. A large mesh takes much time and memory, so only one

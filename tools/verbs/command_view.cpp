@@ -121,7 +121,7 @@ Status write_page(const ViewCommand& a) {
     TESSERA_TRY_ASSIGN(const glm::dvec3 outside, outside_colour(decoder.container()));
     page.background = outside;
     page.file = source.get();
-    TESSERA_TRY_ASSIGN(page.view_data, make_view_data(decoder.container()));
+    TESSERA_TRY_ASSIGN(page.view_data, make_view_data(*source, decoder.container()));
     TESSERA_TRY_ASSIGN(page.poster, draw_poster(a, decoder));
     TESSERA_TRY_ASSIGN(OutputFile html, OutputFile::create(a.output));
     TESSERA_TRY(write_page(page, [&html](std::string_view piece) -> Status {

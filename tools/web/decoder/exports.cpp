@@ -1,11 +1,14 @@
-// The functions that tessera.js calls. Each instance of the module holds one file. To close the
-// file, JavaScript drops the instance and with it all of its memory. Functions that read bytes
-// return an Answer, and web_error() returns the message of the last error.
+// The functions that tessera.js calls. Each instance of the module holds one file with all of its
+// layers, and web_select() says which layer the other functions concern. To close the file,
+// JavaScript drops the instance and with it all of its memory. Functions that read bytes return an
+// Answer, and web_error() returns the message of the last error.
 #include "codec/decoder.h"
+#include "tools/view/layer_files.h"
 #include "tools/web/decoder/atlas.h"
 #include "tools/web/decoder/facts.h"
 #include "tools/web/decoder/ranged_bytes.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,11 +26,16 @@ constexpr std::size_t most_kept_bytes = std::size_t{64} << 20;
 // Bound on the result of a call. A 32-bit address space must also hold the decoder's working
 // memory.
 constexpr std::uint64_t most_result_bytes = std::uint64_t{1} << 30;
+// Bound on the beginnings of layers that are fetched together.
+constexpr std::uint64_t most_beginning_bytes = std::uint64_t{1} << 20;
 
 struct OpenFile {
     std::optional<RangedBytes> bytes;
-    std::optional<Decoder> decoder;
-    std::vector<double> numbers; // returned by the last web_facts() or web_wanted()
+    DecodeOptions options;
+    std::optional<Decoder> first;      // of the whole file: the layer 0
+    std::vector<OpenLayerFile> layers; // the layers after it
+    std::uint32_t selected = 0;
+    std::vector<double> numbers; // returned by the last web_facts(), web_layers() or web_wanted()
     std::string text;            // returned by the last web_texts()
     std::string error;           // message of the last error
     std::unique_ptr<std::byte[]> result;
@@ -47,8 +55,11 @@ template <class Body> Answer answer(const Body& body) {
     return file.bytes->wanted().empty() ? failed : wants_bytes;
 }
 
+const Decoder& decoder() {
+    return file.selected == 0 ? *file.first : *file.layers[file.selected - 1].decoder;
+}
 const ContainerReader& container() {
-    return file.decoder->container();
+    return decoder().container();
 }
 
 // Replaces the number of a level: the box is in the grid of level 0's tiles (FORMAT.md part 2).
@@ -82,9 +93,38 @@ Result<std::span<std::byte>> room_for(std::uint64_t bytes) {
     return std::span(file.result.get(), static_cast<std::size_t>(bytes));
 }
 
-Status open(const DecodeOptions& options) {
-    TESSERA_TRY_ASSIGN(Decoder decoder, Decoder::open(*file.bytes, options));
-    file.decoder.emplace(std::move(decoder));
+Status open() {
+    TESSERA_TRY_ASSIGN(Decoder decoder, Decoder::open(*file.bytes, file.options));
+    file.first.emplace(std::move(decoder));
+    return {};
+}
+
+// Reads what opening the layers will read: their beginnings, which lie side by side, and the first
+// bytes of their data. One call lists all missing bytes.
+Status bring_beginnings(const Layers& layers) {
+    std::vector<std::vector<std::byte>> room;
+    std::vector<ReadRequest> requests;
+    const auto add = [&](std::uint64_t offset, std::uint64_t length) {
+        const std::uint64_t present = file.bytes->size() - std::min(offset, file.bytes->size());
+        room.emplace_back(
+            static_cast<std::size_t>(std::min({length, present, most_beginning_bytes})));
+        requests.push_back({offset, room.back()});
+    };
+    const std::uint64_t begin = layers.further.front().beginning_offset;
+    add(begin, layers.data_offset - begin);
+    for (const LayerInfo& layer : layers.further)
+        add(layer.data_offset,
+            std::min(first_read_bytes -
+                         std::min<std::uint64_t>(first_read_bytes, layer.beginning_bytes),
+                     layer.data_bytes));
+    return file.bytes->read_many(requests);
+}
+
+Status open_further() {
+    const ContainerReader& first = file.first->container();
+    if (first.layers().any() && first.wants_prefetch())
+        TESSERA_TRY(bring_beginnings(first.layers()));
+    TESSERA_TRY_ASSIGN(file.layers, open_layers(*file.bytes, first, file.options));
     return {};
 }
 
@@ -108,17 +148,17 @@ Status fetch(std::uint32_t level, const std::uint32_t* corners) {
 
 Status read_box(std::uint32_t level, const Box4& box, std::span<std::byte> out) {
     if (level == of_grid)
-        return file.decoder->decode_grid_box(box, out, {1, Integrity::page, {}, {}});
-    return level == 0 ? file.decoder->decode_box(box, out, {.threads = 1})
-                      : file.decoder->decode_coarse_box(level, box, out);
+        return decoder().decode_grid_box(box, out, {1, Integrity::page, {}, {}});
+    return level == 0 ? decoder().decode_box(box, out, {.threads = 1})
+                      : decoder().decode_coarse_box(level, box, out);
 }
 
 // Coarse levels are small, so all of their texels are decoded before they are converted.
 Status read_atlas(std::uint32_t level, const Box4& box, std::span<std::byte> rgba) {
-    AtlasSink sink(file.decoder->desc(), box, rgba);
+    AtlasSink sink(decoder().desc(), box, rgba);
     if (level == 0)
-        return file.decoder->decode(box, sink, 1);
-    std::vector<std::byte> texels(static_cast<std::size_t>(file.decoder->desc().box_bytes(box)));
+        return decoder().decode(box, sink, 1);
+    std::vector<std::byte> texels(static_cast<std::size_t>(decoder().desc().box_bytes(box)));
     TESSERA_TRY(read_box(level, box, texels));
     return sink.write(box, texels);
 }
@@ -136,7 +176,23 @@ WEB_EXPORT(void, web_keep)(double offset, std::byte* bytes, std::size_t length) 
 }
 
 WEB_EXPORT(int, web_open)(int partial, int damaged) {
-    return answer([&] { return open(DecodeOptions{partial != 0, damaged != 0}); });
+    file.options = {partial != 0, damaged != 0};
+    return answer([&] { return open(); });
+}
+
+// Opens the layers after the first one. Files of one texture have none.
+WEB_EXPORT(int, web_open_layers)() {
+    return answer([&] { return open_further(); });
+}
+// Scale of the first layer, number of further layers, role and scale of each; number of lights,
+// direction (3), spread and irradiance (3) of each.
+WEB_EXPORT(const double*, web_layers)() {
+    file.numbers = layer_facts(file.first->container().layers());
+    return file.numbers.data();
+}
+// layer: 0, or up to the number of open further layers.
+WEB_EXPORT(void, web_select)(std::uint32_t layer) {
+    file.selected = layer;
 }
 
 WEB_EXPORT(const char*, web_error)() {
@@ -185,7 +241,7 @@ WEB_EXPORT(int, web_fetch)(std::uint32_t level, const std::uint32_t* box) {
 WEB_EXPORT(int, web_box)(std::uint32_t level, const std::uint32_t* corners) {
     return answer([&]() -> Status {
         TESSERA_TRY_ASSIGN(const Box4 box, checked_box(level, corners));
-        TESSERA_TRY_ASSIGN(const auto out, room_for(file.decoder->desc().box_bytes(box)));
+        TESSERA_TRY_ASSIGN(const auto out, room_for(decoder().desc().box_bytes(box)));
         return read_box(level, box, out);
     });
 }

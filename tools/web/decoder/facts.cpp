@@ -54,6 +54,18 @@ std::vector<double> number_facts(const ContainerReader& container) {
     return out;
 }
 
+std::vector<double> layer_facts(const Layers& layers) {
+    std::vector<double> out{layers.scale, static_cast<double>(layers.further.size())};
+    for (const LayerInfo& layer : layers.further)
+        append(out, std::array{static_cast<double>(layer.role), double{layer.scale}});
+    out.push_back(static_cast<double>(layers.lights.size()));
+    for (const DistantLight& light : layers.lights)
+        append(out,
+               std::array{light.direction.x, light.direction.y, light.direction.z, light.spread,
+                          light.irradiance.x, light.irradiance.y, light.irradiance.z});
+    return out;
+}
+
 std::string text_facts(const ContainerReader& container) {
     std::string out;
     const auto add = [&](const std::string& text) { out.append(text).push_back('\0'); };

@@ -19,6 +19,9 @@ namespace tessera {
 //   angular lod
 std::vector<double> number_facts(const ContainerReader& container);
 
+// The numbers that web_layers() returns.
+std::vector<double> layer_facts(const Layers& layers);
+
 // Size of a level in texels. For level 0 it is the size of the texture, not of its tile grid.
 Extent4 level_size(const ContainerReader& container, std::size_t level);
 

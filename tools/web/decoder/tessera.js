@@ -18,6 +18,9 @@ export const ANGULAR_MAP = Object.freeze(
     {none: 0, hemisphereAlphaBeta: 1, planarViews: 2, octahedralHemisphere: 3, octahedralMirrored: 4});
 export const TRANSFER = Object.freeze({unspecified: 0, srgb: 1, linear: 2});
 export const PRIMARIES = Object.freeze({unspecified: 0, bt709: 1});
+// What a layer holds (FORMAT.md 1.7).
+export const LAYER_ROLE = Object.freeze(
+    {diffuse: 0, emission: 1, specular: 2, roughness: 3, normal: 4, visibility: 5, reflection: 6});
 
 const ofGrid = 0xFFFFFFFF; // replaces the number of a level: the grid of level 0's tiles
 const failed = 1, wantsBytes = 2; // values that the module's functions return, as in exports.cpp
@@ -70,7 +73,8 @@ class TessFile {
     constructor(module, size, source) {
         if (!Number.isSafeInteger(size) || size < 0)
             throw new Error(`${size} is not the size of a file`);
-        this._wasm = instantiate(module);
+        this._instance = {wasm: instantiate(module)}; // shared with the layers
+        this._layer = 0;
         this._source = source;
         this._coming = new Map(); // "offset length" -> promise of a range that is being fetched
         this._call(() => this._wasm.web_begin(size));
@@ -127,11 +131,24 @@ class TessFile {
         throw new Error('this module has no mesh decoder: meshBytes() returns the Draco stream');
     }
 
+    // The layers (FORMAT.md 1.7) as {scale, further, lights}. `further` has {role, scale, file} for each layer after the
+    // first one, whose texels are those of this file. Closing the file of a layer closes all of them.
+    layers() {
+        this._check(this._call(() => this._wasm.web_open_layers()));
+        return this._layers();
+    }
+    async fetchLayers() {
+        return this._withBytes(() => this.layers());
+    }
+
     close() {
-        this._wasm = null;
+        this._instance.wasm = null;
     }
     get closed() {
         return this._wasm === null;
+    }
+    get _wasm() {
+        return this._instance.wasm;
     }
 
     _picture(level, rgba) {
@@ -236,6 +253,7 @@ class TessFile {
         if (this._wasm === null)
             throw new Error('the file is closed');
         try {
+            this._wasm.web_select(this._layer);
             return work();
         } catch (error) {
             if (!(error instanceof WebAssembly.RuntimeError))
@@ -246,12 +264,30 @@ class TessFile {
         }
     }
 
+    // A function that returns the next numbers of those that a function of the module returns.
+    _numbers(name) {
+        const at = this._call(() => this._wasm[name]());
+        const all = new Float64Array(this._wasm.memory.buffer, at);
+        let next = 0;
+        return count => Array.from(all.subarray(next, next += count));
+    }
+
+    _layers() {
+        const take = this._numbers('web_layers'), [scale, count] = take(2);
+        const further = Array.from({length: count}, () => take(2)).map(([role, scale], i) => {
+            const file = Object.assign(Object.create(TessFile.prototype), this, {_layer: i + 1});
+            return {role, scale, file};
+        });
+        const lights = Array.from({length: take(1)[0]},
+                                  () => ({direction: take(3), spread: take(1)[0], irradiance: take(3)}));
+        for (const {file} of further)
+            file.info = file._facts();
+        return {scale, further, lights};
+    }
+
     // Reads the numbers and texts in the order of facts.h.
     _facts() {
-        const numbers = this._call(() => this._wasm.web_facts());
-        const all = new Float64Array(this._wasm.memory.buffer, numbers);
-        let next = 0;
-        const take = count => Array.from(all.subarray(next, next += count));
+        const take = this._numbers('web_facts');
         const size = take(4);
         const [sampleType, channels, proxy, surfaceMap, angularMap, transfer, primaries, alpha] = take(8);
         const info = {size, sampleType, channels, texelBytes: channels * (sampleType === SAMPLE_TYPE.half16 ? 2 : 1),

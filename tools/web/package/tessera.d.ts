@@ -31,6 +31,16 @@ export const ANGULAR_MAP: {
 export const TRANSFER: {readonly unspecified: 0; readonly srgb: 1; readonly linear: 2};
 /** Colour primaries. */
 export const PRIMARIES: {readonly unspecified: 0; readonly bt709: 1};
+/** What a layer holds. */
+export const LAYER_ROLE: {
+    readonly diffuse: 0;
+    readonly emission: 1;
+    readonly specular: 2;
+    readonly roughness: 3;
+    readonly normal: 4;
+    readonly visibility: 5;
+    readonly reflection: 6;
+};
 
 /** Level 0 is the texture; levels above 0 are coarser copies. */
 export interface Level {
@@ -106,6 +116,32 @@ export interface Picture {
     rgba: Uint8Array;
 }
 
+/** Distant light from a patch of directions. */
+export interface DistantLight {
+    /** Unit vector towards the middle of the patch. */
+    direction: [number, number, number];
+    /** Root mean square of the angle between the middle and the patch's directions, along one axis, in radians. */
+    spread: number;
+    /** RGB, on a surface that faces the light. */
+    irradiance: [number, number, number];
+}
+
+/** The layers of a file, which FORMAT.md 5.6 puts together. The first one has the texels of the file itself. */
+export interface Layers {
+    /** The light of a sample of 1 in the first layer. */
+    scale: number;
+    /** The layers after the first one; empty: the file has one texture. */
+    further: {
+        /** One of LAYER_ROLE. */
+        role: number;
+        /** The light, or other value, of a sample of 1. */
+        scale: number;
+        /** The texels of the layer. Closing it closes the whole file. */
+        file: TessFile;
+    }[];
+    lights: DistantLight[];
+}
+
 /**
  * An open file. box() and atlas() need all bytes that they read; the methods whose names begin with "fetch" request
  * missing bytes from the source first.
@@ -140,6 +176,10 @@ export class TessFile {
     meshBytes(): Uint8Array | null;
     /** null if the proxy is not a mesh. Throws if it is one, because this module has no Draco decoder. */
     mesh(): null;
+    /** Opens the layers; throws if the bytes of one of them are damaged. */
+    layers(): Layers;
+    /** Like layers(), after fetching what is missing. */
+    fetchLayers(): Promise<Layers>;
     /** Frees all memory. Every later call throws. */
     close(): void;
     /** True after close(), and after the decoder ran out of memory. */

@@ -43,7 +43,7 @@ class Program {
     set({type, at}, value) {
         const {gl} = this;
         switch (type) {
-        case gl.FLOAT: return gl.uniform1f(at, value);
+        case gl.FLOAT: return Array.isArray(value) ? gl.uniform1fv(at, value) : gl.uniform1f(at, value);
         case gl.FLOAT_VEC2: return gl.uniform2fv(at, value);
         case gl.FLOAT_VEC3: return gl.uniform3fv(at, value);
         case gl.FLOAT_VEC4: return gl.uniform4fv(at, value);

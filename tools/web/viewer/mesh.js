@@ -14,11 +14,10 @@ class MeshData {
                 last = out[i] = last + (out[i] >>> 1 ^ -(out[i] & 1));
             return out;
         };
-        const {vertices, triangles, tangents, low, high, mips, atlas} = about;
+        const {vertices, triangles, tangents, low, high} = about;
         const places = [0, 1, 2].map(() => column(vertices, 3));
         this.low = low;
         this.high = high;
-        this.mips = mips;
         this.positions = new Float32Array(vertices * 3);
         for (let axis = 0; axis < 3; ++axis)
             for (let i = 0; i < vertices; ++i)
@@ -33,9 +32,13 @@ class MeshData {
             this.uv[2 * i + 1] = v[i] / 2 ** 24;
         }
         this.indices = new Uint32Array(column(triangles * 3, 4));
-        this.charts = new Charts(null, atlas, mips);
-        this.charts.ids =
-            mips ? Uint16Array.from(column(this.charts.width * this.charts.height, 3)) : new Uint16Array(1);
+        // The charts of each atlas. The first one is that of the texture or of its first layer.
+        this.atlases = [about, ...(about.further || [])].map(({mips, atlas}) => {
+            const charts = new Charts(null, atlas, mips);
+            charts.ids = Uint16Array.from(mips ? column(charts.width * charts.height, 3) : []);
+            return charts;
+        });
+        this.layers = about.layers || []; // the number of the atlas of each further layer
     }
 }
 

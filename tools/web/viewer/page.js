@@ -23,7 +23,7 @@ class Page {
 
     // Called after each frame.
     update(viewer) {
-        const {loader, renderer, cache} = viewer;
+        const {loader, renderer, cache, layers} = viewer;
         if (!this.begun && (renderer.coarse || !loader.busy && viewer.searched !== 'not')) {
             this.begun = performance.now(); // since the page was opened
             this.bytesAtFirst = viewer.source ? viewer.source.received : 0;
@@ -34,6 +34,8 @@ class Page {
             this.whole = performance.now();
         if (loader.failed.size && !this.note.textContent)
             this.say(`${loader.failed.size} tiles could not be loaded: ${loader.failed.values().next().value}`);
+        if (layers?.trouble && !this.note.textContent)
+            this.say(layers.trouble);
         if (this.figures.hidden)
             return;
         const {info, source} = viewer, ms = viewer.drawTime;
@@ -44,6 +46,8 @@ class Page {
             `${cache.tiles.size} of ${cache.grid.tiles} tiles, ${loader.queue.length + loader.coming.size} loading`,
             `${inBytes(renderer.bytes)} of GPU memory`
         ];
+        if (layers)
+            lines.push(`${1 + Object.keys(layers.loaded).length} of ${1 + layers.layers.length} layers`);
         if (source)
             lines.push(`${inBytes(source.received)} received in ${source.asked} requests`);
         this.figures.textContent = lines.join('\n');

@@ -6,15 +6,19 @@ const rayShift = k => [0.7548776662466927, 0.5698402909980532].map(step => (0.5 
 class Renderer {
     static mostRays = 16;
 
-    constructor(gl, kit, info, surface, cache) {
-        Object.assign(this, {gl, kit, info, surface, cache, coarse: null});
+    // layers: LayerPictures, or null for a file of one texture.
+    constructor(gl, kit, info, surface, cache, layers) {
+        Object.assign(this, {gl, kit, info, surface, cache, layers, coarse: null});
         this.half = info.sampleType === SAMPLE_TYPE.half16;
         // Means of half floats need more than 8 bits. Without the extension they are clamped to 0..1.
         this.format = this.half && gl.getExtension('EXT_color_buffer_float') ? gl.RGBA16F : gl.RGBA8;
-        const sampling = ['surface.glsl', 'octahedral.glsl', 'slots.glsl', 'finish.glsl', ...surface.fragment];
-        this.drawing = new Program(gl, kit, surface.vertex, sampling);
+        this.sampling = ['surface.glsl', 'octahedral.glsl', 'slots.glsl', 'finish.glsl', ...surface.fragment];
+        this.drawing = layers
+            ? new Program(gl, kit, surface.vertex,
+                          [...this.sampling.slice(0, -1), 'layers.glsl', 'layered.glsl', ...this.sampling.slice(-1)],
+                          ['LAYERED'])
+            : new Program(gl, kit, surface.vertex, this.sampling);
         this.marking = null; // compiled by the first tilesOf()
-        this.sampling = sampling;
         this.resolving = new Program(gl, kit, ['screen.vert'], ['resolve.frag']);
         this.sizes = {};
     }
@@ -33,7 +37,8 @@ class Renderer {
         this.drawSurface(this.drawing, view, rayShift(k), view.rays);
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
         this.resolving.use(
-            {rays: {texture: this.rays, target: gl.TEXTURE_2D_ARRAY}, count: k + 1, toneMapped: this.half});
+            {rays: {texture: this.rays, target: gl.TEXTURE_2D_ARRAY}, count: k + 1,
+             toneMapped: this.half && !this.layers});
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
@@ -49,7 +54,7 @@ class Renderer {
             coarse: {texture: coarse ? coarse.texture : cache.texture, target: gl.TEXTURE_2D_ARRAY},
             coarseSize: coarse ? coarse.size : [0, 0, 0, 0], coarseLod: coarse ? coarse.lod : [0, 0],
             coarseFold: coarse ? coarse.fold : [1, 1], emptyColour: this.empty,
-            ...surface.uniforms(view, camera, rays)});
+            ...this.layers?.uniforms, ...surface.uniforms(view, camera, rays)});
         surface.draw(gl);
     }
 
@@ -110,7 +115,7 @@ class Renderer {
 
     get bytes() {
         const {width = 0, height = 0, rays = 0} = this.sizes;
-        return this.cache.bytes + (this.coarse ? this.coarse.bytes : 0) +
+        return this.cache.bytes + (this.coarse ? this.coarse.bytes : 0) + (this.layers ? this.layers.bytes : 0) +
                width * height * rays * (this.format === this.gl.RGBA16F ? 8 : 4);
     }
 }

@@ -24,13 +24,15 @@ class SlotLayout {
 }
 
 // Converts decoded texels (order v, u, t, s; 8-bit samples, or half floats as 16-bit integers) to the RGBA pixels of a
-// slot. Grey is copied to R, G and B, and alpha is ignored, as in `tessera render`.
+// slot. Grey is copied to R, G and B, and alpha is ignored, as in `tessera render`. `raw` keeps all channels and repeats
+// the last one.
 // charts: null if there are no mips.
-function slotPixels(texels, box, channels, half, layout, charts) {
+function slotPixels(texels, box, channels, half, layout, charts, raw = false) {
     const [u0, u1, v0, v1, s0, s1, t0, t1] = box;
     const across = u1 - u0, up = v1 - v0, wide = s1 - s0, high = t1 - t0;
     const out = new (half ? Uint16Array : Uint8Array)(layout.width * layout.height * 4);
-    const opaque = half ? 0x3C00 : 255, colour = channels >= 3;
+    const opaque = half ? 0x3C00 : 255, last = raw ? channels - 1 : channels >= 3 ? 2 : 0;
+    const green = Math.min(1, last), blue = Math.min(2, last);
     let from = 0;
     for (let v = 0; v < up; ++v)
         for (let u = 0; u < across; ++u)
@@ -38,14 +40,28 @@ function slotPixels(texels, box, channels, half, layout, charts) {
                 let to = (layout.pixel(0, u, v) + t * layout.width) * 4;
                 for (let s = 0; s < wide; ++s, from += channels, to += 4) {
                     out[to] = texels[from];
-                    out[to + 1] = texels[colour ? from + 1 : from];
-                    out[to + 2] = texels[colour ? from + 2 : from];
-                    out[to + 3] = opaque;
+                    out[to + 1] = texels[from + green];
+                    out[to + 2] = texels[from + blue];
+                    out[to + 3] = raw ? texels[from + last] : opaque;
                 }
             }
     for (let mip = 1; charts && mip <= layout.mips; ++mip)
         addMip(out, mip, box, half, layout, charts);
     return out;
+}
+
+// Four directions of one channel share a pixel: the sides of a texel's picture of `count` directions, in pixels.
+function packedSides(count) {
+    const pixels = Math.ceil(count / 4), side = Math.ceil(Math.sqrt(pixels));
+    return [side, Math.ceil(pixels / side)];
+}
+// The first `count` of `all` directions of each texel, as four channels of packedSides(count).
+function packed(texels, all, count) {
+    const [across, up] = packedSides(count), pixels = across * up * 4;
+    const result = new texels.constructor(texels.length / all * pixels);
+    for (let from = 0, to = 0; from < texels.length; from += all, to += pixels)
+        result.set(texels.subarray(from, from + count), to);
+    return result;
 }
 
 // A texel of a mip is the mean of the texels of its chart in its square (FORMAT.md 5.2).

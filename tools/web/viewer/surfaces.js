@@ -27,7 +27,7 @@ class MeshSurface {
     constructor(gl, info, mesh, outside) {
         // 4 rays per pixel for a still picture, as in `tessera render`.
         Object.assign(this,
-                      {info, mesh, outside, fragment: ['mesh.frag'], vertex: ['mesh.vert'], rays: 4, hasDepth: true});
+                      {info, mesh, outside, fragment: ['atlas.glsl', 'mesh.frag'], vertex: ['mesh.vert'], rays: 4, hasDepth: true});
         this.array = gl.createVertexArray();
         gl.bindVertexArray(this.array);
         [[mesh.positions, 3], [mesh.normals, 3], [mesh.tangents, 3], [mesh.uv, 2]].forEach(([data, components], i) => {
@@ -40,12 +40,14 @@ class MeshSurface {
         gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.indices, gl.STATIC_DRAW);
         gl.bindVertexArray(null);
         this.charts = gl.createTexture();
-        gl.bindTexture(gl.TEXTURE_2D, this.charts);
+        gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.charts);
         gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-        const {width, height, ids} = mesh.mips ? mesh.charts : {width: 1, height: 1, ids: new Uint16Array(1)};
-        gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R16UI, width, height);
-        gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RED_INTEGER, gl.UNSIGNED_SHORT, ids);
-        nearest(gl, gl.TEXTURE_2D);
+        const withMips = mesh.atlases.filter(charts => charts.mips);
+        const [width, height] = ['width', 'height'].map(side => Math.max(1, ...withMips.map(charts => charts[side])));
+        gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, gl.R16UI, width, height, mesh.atlases.length);
+        mesh.atlases.forEach(({mips, width, height, ids}, i) => mips && gl.texSubImage3D(
+            gl.TEXTURE_2D_ARRAY, 0, 0, 0, i, width, height, 1, gl.RED_INTEGER, gl.UNSIGNED_SHORT, ids));
+        nearest(gl, gl.TEXTURE_2D_ARRAY);
         this.centre = scale(add(mesh.low, mesh.high), 0.5);
         this.radius = Math.hypot(...sub(mesh.high, mesh.low)) / 2;
     }
@@ -58,10 +60,9 @@ class MeshSurface {
     uniforms(view, camera, rays) {
         const distance = Math.hypot(...sub(camera.eye, this.centre));
         const far = (distance + this.radius) * 1.01, near = Math.max((distance - this.radius) * 0.99, far / 10000);
-        const {mips, charts} = this.mesh, levels = [0, 1, 2, 3, 4].map(mip => Math.min(mip, mips));
-        return {project: projection(camera, near, far), eye: camera.eye, mips,
-                mipSize: levels.flatMap(mip => charts.side(mip)), chartRow: levels.map(mip => charts.rows[mip]),
-                charts: {texture: this.charts, target: WebGL2RenderingContext.TEXTURE_2D},
+        return {project: projection(camera, near, far), eye: camera.eye,
+                atlases: this.mesh.atlases.flatMap(({size, mips}) => [...size, mips, 0]),
+                charts: {texture: this.charts, target: WebGL2RenderingContext.TEXTURE_2D_ARRAY},
                 angularMap: this.info.angularMap, rayWidth: 1 / Math.sqrt(rays)};
     }
     draw(gl) {

@@ -1,7 +1,8 @@
-// Runs in workers together with tessera.js and slot_layout.js. It opens the file and decodes tiles to pixels of slots.
+// Runs in workers together with tessera.js and slot_layout.js. It opens the file with its layers and decodes tiles to
+// pixels of slots.
 
 function startTileWorker() {
-    let file, layout, charts = null;
+    let file, layers = []; // of each layer: its file, then what "prepare" says about it
     const reads = new Map();
     let lastRead = 0;
 
@@ -9,31 +10,43 @@ function startTileWorker() {
         reads.set(++lastRead, {resolve, reject});
         postMessage({read: lastRead, offset, length});
     });
-    const isHalf = () => file.info.sampleType === SAMPLE_TYPE.half16;
-    const asSamples = texels => isHalf()
+    const isHalf = ({info}) => info.sampleType === SAMPLE_TYPE.half16;
+    const asSamples = (texels, half) => half
         ? new Uint16Array(texels.buffer.slice(texels.byteOffset, texels.byteOffset + texels.byteLength)) : texels;
 
     const jobs = {
         async open({wasm, bytes, size}) {
             const codec = await loadTessera(wasm);
             file = bytes ? codec.openBytes(bytes) : await codec.openSource({size, read: readFromPage});
-            return {info: file.info};
+            const {scale, lights, further} = await file.fetchLayers();
+            layers = [{file}, ...further];
+            return {info: file.info, scale, lights,
+                    further: further.map(({role, scale, file}) => ({role, scale, info: file.info}))};
         },
-        prepare({tileSide, chartIds, chartSize, mips}) {
-            layout = new SlotLayout(tileSide, mips);
-            charts = mips ? new Charts(chartIds, chartSize, mips) : null;
+        // parts: for each layer {tileSide, mips, chartIds, chartSize, lights}. lights: number of directions that
+        // packed() keeps; 0: all of them, not packed.
+        prepare({parts}) {
+            layers = layers.map((layer, i) => {
+                const {tileSide, mips, chartIds, chartSize, lights} = parts[i];
+                return {...layer, lights, layout: new SlotLayout(tileSide, mips),
+                        charts: mips ? new Charts(chartIds, chartSize, mips) : null};
+            });
             return {};
         },
-        async tile({box}) {
-            const texels = asSamples(await file.fetchGridBox(box));
-            return {pixels: slotPixels(texels, box, file.info.channels, isHalf(), layout, charts)};
+        async tile({box, layer = 0}) {
+            const {file, layout, charts, lights} = layers[layer], half = isHalf(file), {channels, size} = file.info;
+            const texels = asSamples(await file.fetchGridBox(box), half);
+            if (!lights)
+                return {pixels: slotPixels(texels, box, channels, half, layout, charts, layer > 0)};
+            const places = [...box.slice(0, 4), ...packedSides(lights).flatMap(n => [0, n])];
+            return {pixels: slotPixels(packed(texels, size[2] * size[3], lights), places, 4, half, layout, charts, true)};
         },
         // A whole coarse level, in the layout of one large tile without mips.
         async coarse({level}) {
             const {size} = file.info.levels[level], box = size.flatMap(n => [0, n]);
             const whole = new SlotLayout(size, 0);
-            const texels = asSamples(await file.fetchBox(box, undefined, level));
-            return {pixels: slotPixels(texels, box, file.info.channels, isHalf(), whole, null)};
+            const half = isHalf(file), texels = asSamples(await file.fetchBox(box, undefined, level), half);
+            return {pixels: slotPixels(texels, box, file.info.channels, half, whole, null)};
         },
     };
 

@@ -20,7 +20,8 @@ class Viewer {
         if (this.source && this.source.size <= smallFile && !this.hash.has('parts'))
             this.bytes = await this.source.read(0, this.source.size);
         this.workers = new Workers(this.kit, this.bytes ? null : this.source, this.bytes);
-        this.info = await this.workers.open();
+        this.opened = await this.workers.open();
+        this.info = this.opened.info;
         await this.setUp(await inputs.viewData);
         this.listen();
         await this.showCoarse();
@@ -42,30 +43,35 @@ class Viewer {
     }
 
     async setUp(data) {
-        const {gl, info} = this, level = {...info.levels[0], size: info.gridSize}, about = data ? data.about : {};
+        const {gl, info} = this, level = {...info.levels[0], size: info.gridSize}, about = data?.about || {};
         const background = [...(about.background || shownBackground(info)), 1];
         const isHalf = info.sampleType === SAMPLE_TYPE.half16, isMesh = info.proxy === PROXY.mesh;
         const isSphere = info.proxy === PROXY.sphere || info.proxy === PROXY.sphereInside;
         const isPlanar = info.proxy === PROXY.none && info.angularMap === ANGULAR_MAP.planarViews;
-        const mesh = isMesh && data && data.about.mesh ? new MeshData(data.about.mesh, data.rest) : null;
+        const mesh = isMesh && about.mesh ? new MeshData(about.mesh, data.rest) : null;
         if (isMesh && !mesh)
             throw Error('The texture lies on a mesh, which this page cannot decode. ' +
                         'Use `tessera view` or `tessera serve`.');
+        if (this.opened.further.length && !mesh)
+            throw Error('The layers of the file do not lie on a mesh.');
         this.surface = mesh ? new MeshSurface(gl, info, mesh, background)
             : isPlanar ? new PlanarSurface(info, background, numbersOf(about.cameras, 4))
             : isSphere ? new SphereSurface(info, background) : null;
         if (!this.surface)
             throw Error('The file does not say what its texture lies on. Encode it with --proxy.');
-        const budget = (Number(this.hash.get('cache')) || usualCache) * 2 ** 20, mips = mesh ? mesh.mips : 0;
+        const charts = mesh && mesh.atlases[0], mips = mesh ? charts.mips : 0;
+        const budget = (Number(this.hash.get('cache')) || usualCache) * 2 ** 20;
         const grid = (this.bytes && allDirections(level, mips, isHalf ? 8 : 4, budget)) ||
             new TileGrid(level.size, level.tile, level.tiles);
         grid.checkFloats();
         const layout = new SlotLayout(grid.tileSide, mips);
         this.cache = new TileCache(gl, grid, layout, isHalf, budget);
-        this.renderer = new Renderer(gl, this.kit, info, this.surface, this.cache);
+        this.layers = this.opened.further.length
+            ? new LayerPictures(gl, this.workers, this.opened, mesh, budget, () => this.change(true)) : null;
+        this.renderer = new Renderer(gl, this.kit, info, this.surface, this.cache, this.layers);
         this.renderer.empty = [...shownBackground(info), 1];
-        const charts = {chartIds: mesh?.charts.ids, chartSize: mesh?.charts.size};
-        await this.workers.prepare({tileSide: grid.tileSide, mips, ...charts});
+        const first = {tileSide: grid.tileSide, mips, chartIds: charts?.ids, chartSize: charts?.size};
+        await this.workers.prepare({parts: [first, ...(this.layers ? this.layers.parts : [])]});
         this.loader = new TileLoader(this.workers, this.cache, () => this.sharpen());
         this.usual = {...this.surface.defaultPose(), ...this.poseOfHash()};
         this.lastPose = this.usual;
@@ -223,13 +229,18 @@ class Viewer {
         this.page.update(this);
         if (this.mayDraw(view) || this.moving || this.searched !== 'all')
             this.schedule();
-        else if (!this.loader.busy)
+        else if (!this.busy)
             this.waiting.splice(0).forEach(resolve => resolve());
     }
 
-    // While tiles are missing, one ray per pixel is enough.
+    // True while tiles in view or layers are missing.
+    get busy() {
+        return this.loader.busy || !!this.layers?.busy;
+    }
+
+    // While something is missing, one ray per pixel is enough.
     mayDraw(view) {
-        return this.ray < (this.loader.busy ? Math.min(1, view.rays) : view.rays);
+        return this.ray < (this.busy ? Math.min(1, view.rays) : view.rays);
     }
 
     // Searches coarsely at once. When the tiles of this search are there, an exact search finds the few others.
@@ -253,6 +264,8 @@ class Viewer {
                 loader.want(this.counts);
             this.searched = 'all';
         }
+        if (!loader.busy && this.searched !== 'not')
+            this.layers?.start();
     }
 
     // Resolves when the picture is final.

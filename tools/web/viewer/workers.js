@@ -20,18 +20,19 @@ class Workers {
         return worker;
     }
 
-    // Opens the file in one worker, then in more of them. Returns the Info of the file.
+    // Opens the file in one worker, then in more of them. Returns the Info of the file and its layers, as
+    // tile_worker.js has them.
     async open() {
         const size = this.source && this.source.size;
         const open = worker =>
             this.job(worker, {job: 'open', wasm: this.kit.bytes('tessera.wasm'), bytes: this.bytes, size});
-        const {info} = await open(this.workers[0]);
+        const opened = await open(this.workers[0]);
         const more = clamp((navigator.hardwareConcurrency || 2) - 1, 1, 4) - 1;
         for (let i = 0; i < more; ++i)
             this.workers.push(this.start());
         // Workers for which there is no memory are dropped.
         this.opened = Promise.all(this.workers.slice(1).map(worker => open(worker).catch(() => this.drop(worker))));
-        return info;
+        return opened;
     }
 
     // Sends a job of type "prepare" to all workers.

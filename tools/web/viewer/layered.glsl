@@ -1,0 +1,127 @@
+// What the layers after the first one add to its light (FORMAT.md 5.6), like tools/view/layered_renderer.cpp. Each
+// layer is a picture with its mips, in the layout of class SlotLayout. Arrays are indexed by roles.
+uniform sampler2D emissionLayer, specularLayer, roughnessLayer, normalLayer, visibilityLayer, reflectionLayer;
+uniform ivec4 layers[7];      // x: number of the atlas, -1: not loaded; y: 1 for transfer sRGB; z, w: pixels per texel
+uniform float layerScales[7];
+uniform sampler2D lights;     // a row per light: direction and spread, irradiance
+uniform int lightCount;
+
+// The texels of an atlas that the pixel samples, in two mips.
+struct AtlasPlaces {
+    int count;
+    ivec2 low[2], high[2]; // in the picture of the atlas with its mips
+    vec4 share[2];
+};
+AtlasPlaces places;
+int placesOf = -1;
+
+// Sets `places`.
+void findPlaces(int atlas, vec2 uv, vec2 footprint) {
+    for (; placesOf != atlas; placesOf = atlas) {
+        float mip = mipOf(atlas, footprint);
+        int first = int(mip);
+        float second = mip - float(first);
+        places.count = second > 0.0 ? 2 : 1;
+        for (int i = 0; i < places.count; ++i) {
+            AtlasPlace at = atlasPlace(atlas, uv, first + i);
+            ivec2 begin = mipBegin(atlas, at.mip);
+            places.low[i] = begin + at.low;
+            places.high[i] = begin + at.high;
+            places.share[i] = at.share * (i == 0 ? 1.0 - second : second);
+        }
+    }
+}
+
+// A layer at `places`. pixel: the one of `pixels` per texel that is read.
+vec4 layerAt(sampler2D layer, ivec2 pixels, ivec2 pixel) {
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < places.count; ++i) {
+        ivec2 low = places.low[i] * pixels + pixel, high = places.high[i] * pixels + pixel;
+        sum += places.share[i].x * texelFetch(layer, low, 0) +
+               places.share[i].y * texelFetch(layer, ivec2(high.x, low.y), 0) +
+               places.share[i].z * texelFetch(layer, ivec2(low.x, high.y), 0) +
+               places.share[i].w * texelFetch(layer, high, 0);
+    }
+    return sum;
+}
+
+vec3 lightOf(vec3 value, int role) {
+    vec3 light = layers[role].y == 0 ? value : vec3(tsr_linear(value.r), tsr_linear(value.g), tsr_linear(value.b));
+    return light * layerScales[role];
+}
+
+// 1 if a layer is not loaded, else 0: for loops that are skipped then, like those in slots.glsl.
+int missing(int role) {
+    return layers[role].x < 0 ? 1 : 0;
+}
+
+const int emission = 1, specular = 2, roughness = 3, normal = 4, visibility = 5, reflection = 6;
+
+vec3 reflectedLight(TsrMeshFrame frame, vec3 direction) {
+    ivec2 directions = layers[reflection].zw;
+    TsrOctahedralTaps around =
+        tsr_octahedral_taps(tsr_octahedral_place(tsr_map_mirrored, frame, direction), directions);
+    vec4 share = shares(around.weight), sum = vec4(0.0);
+    for (int corner = 0; corner < 4; ++corner) {
+        ivec2 st = tsr_folded(around.first + ivec2(corner & 1, corner >> 1), directions);
+        sum += share[corner] * layerAt(reflectionLayer, directions, st);
+    }
+    return lightOf(sum.rgb, reflection);
+}
+
+vec3 lightOf(TsrReflectance r, int number) {
+    vec4 to = texelFetch(lights, ivec2(0, number), 0);
+    return tsr_light_of(r, TsrLight(to.xyz, to.w, texelFetch(lights, ivec2(1, number), 0).rgb));
+}
+
+// A pixel of the layer of visibility holds four lights. `lights` is filled up to a multiple of four with dark ones.
+vec3 lightOfLights(TsrReflectance r) {
+    ivec2 pixels = layers[visibility].zw;
+    vec3 sum = vec3(0.0);
+    for (int four = 0; 4 * four < lightCount; ++four) {
+        int first = 4 * four;
+        vec3 a = lightOf(r, first), b = lightOf(r, first + 1), c = lightOf(r, first + 2), d = lightOf(r, first + 3);
+        vec3 most = max(max(a, b), max(c, d));
+        for (int once = max(most.r, max(most.g, most.b)) < 1e-5 ? 1 : 0; once < 1; ++once) {
+            vec4 seen = vec4(1.0);
+            for (int there = missing(visibility); there < 1; ++there)
+                seen = layerAt(visibilityLayer, pixels, ivec2(four % pixels.x, four / pixels.x));
+            sum += seen.x * a + seen.y * b + seen.z * c + seen.w * d;
+        }
+    }
+    return sum;
+}
+
+// The display values of the light. diffuse: a sample of the first layer; uv: the place in all atlases; footprint: what
+// the pixel covers of them; direction: towards the observer.
+vec3 withLayers(vec3 diffuse, vec2 uv, vec2 footprint, TsrMeshFrame frame, vec3 direction) {
+    vec3 light = lightOf(diffuse, 0), share = vec3(1.0);
+    for (int once = missing(normal); once < 1; ++once) {
+        findPlaces(layers[normal].x, uv, footprint);
+        frame.z = tsr_bumped_normal(frame, layerAt(normalLayer, ivec2(1), ivec2(0)).rg);
+    }
+    frame.z = tsr_facing_normal(frame.z, direction);
+    for (int once = missing(specular); once < 1; ++once) {
+        TsrReflectance r = TsrReflectance(frame.z, direction, vec3(0.0), 1.0);
+        findPlaces(layers[specular].x, uv, footprint);
+        r.specular = lightOf(layerAt(specularLayer, ivec2(1), ivec2(0)).rgb, specular);
+        for (int once = missing(roughness); once < 1; ++once) {
+            findPlaces(layers[roughness].x, uv, footprint);
+            r.roughness = lightOf(layerAt(roughnessLayer, ivec2(1), ivec2(0)).rgb, roughness).r;
+        }
+        light *= tsr_diffuse_share(r);
+        for (int once = missing(visibility); once < 1; ++once)
+            findPlaces(layers[visibility].x, uv, footprint);
+        light += lightOfLights(r);
+        share = tsr_reflection_share(r);
+    }
+    for (int once = missing(reflection); once < 1; ++once) {
+        findPlaces(layers[reflection].x, uv, footprint);
+        light += share * reflectedLight(frame, direction);
+    }
+    for (int once = missing(emission); once < 1; ++once) {
+        findPlaces(layers[emission].x, uv, footprint);
+        light += lightOf(layerAt(emissionLayer, ivec2(1), ivec2(0)).rgb, emission);
+    }
+    return vec3(tsr_displayed(light.r), tsr_displayed(light.g), tsr_displayed(light.b));
+}
