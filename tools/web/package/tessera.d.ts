@@ -40,6 +40,7 @@ export const LAYER_ROLE: {
     readonly normal: 4;
     readonly visibility: 5;
     readonly reflection: 6;
+    readonly coverage: 7;
 };
 
 /** Level 0 is the texture; levels above 0 are coarser copies. */

@@ -32,7 +32,10 @@ class LayerPictures {
     // Filled up to a multiple of four lights.
     lightsPicture(lights) {
         const {gl} = this, texture = this.picture(gl.RGBA32F, 2, 4 * Math.ceil(Math.max(1, lights.length) / 4));
-        const numbers = lights.flatMap(({direction, spread, irradiance}) => [...direction, spread, ...irradiance, 0]);
+        const brightest = Math.max(...lights.flatMap(({irradiance}) => irradiance));
+        const peak = irradiance => Math.max(1 / 51, brightest > 0 ? Math.sqrt(Math.max(...irradiance) / brightest) : 1);
+        const numbers = lights.flatMap(
+            ({direction, spread, irradiance}) => [...direction, spread, ...irradiance, peak(irradiance)]);
         if (lights.length)
             gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 2, lights.length, gl.RGBA, gl.FLOAT, new Float32Array(numbers));
         return texture;

@@ -1,9 +1,10 @@
 // What the layers after the first one add to its light (FORMAT.md 5.6), like tools/view/layered_renderer.cpp. Each
 // layer is a picture with its mips, in the layout of class SlotLayout. Arrays are indexed by roles.
-uniform sampler2D emissionLayer, specularLayer, roughnessLayer, normalLayer, visibilityLayer, reflectionLayer;
-uniform ivec4 layers[7];      // x: number of the atlas, -1: not loaded; y: 1 for transfer sRGB; z, w: pixels per texel
-uniform float layerScales[7];
-uniform sampler2D lights;     // a row per light: direction and spread, irradiance
+uniform sampler2D emissionLayer, specularLayer, roughnessLayer, normalLayer, visibilityLayer, reflectionLayer,
+    coverageLayer;
+uniform ivec4 layers[8];      // x: number of the atlas, -1: not loaded; y: 1 for transfer sRGB; z, w: pixels per texel
+uniform float layerScales[8];
+uniform sampler2D lights;     // a row per light: direction and spread; irradiance and the sample if it is not blocked
 uniform int lightCount;
 
 // The texels of an atlas that the pixel samples, in two mips.
@@ -55,7 +56,8 @@ int missing(int role) {
     return layers[role].x < 0 ? 1 : 0;
 }
 
-const int emission = 1, specular = 2, roughness = 3, normal = 4, visibility = 5, reflection = 6;
+const int emission = 1, specular = 2, roughness = 3, normal = 4, visibility = 5, reflection = 6,
+    coverage = 7;
 
 vec3 reflectedLight(TsrMeshFrame frame, vec3 direction) {
     ivec2 directions = layers[reflection].zw;
@@ -74,6 +76,11 @@ vec3 lightOf(TsrReflectance r, int number) {
     return tsr_light_of(r, TsrLight(to.xyz, to.w, texelFetch(lights, ivec2(1, number), 0).rgb));
 }
 
+// Dark lights at the end of the list have none.
+float peakOf(int number) {
+    return max(texelFetch(lights, ivec2(1, number), 0).a, 1e-3);
+}
+
 // A pixel of the layer of visibility holds four lights. `lights` is filled up to a multiple of four with dark ones.
 vec3 lightOfLights(TsrReflectance r) {
     ivec2 pixels = layers[visibility].zw;
@@ -85,11 +92,23 @@ vec3 lightOfLights(TsrReflectance r) {
         for (int once = max(most.r, max(most.g, most.b)) < 1e-5 ? 1 : 0; once < 1; ++once) {
             vec4 seen = vec4(1.0);
             for (int there = missing(visibility); there < 1; ++there)
-                seen = layerAt(visibilityLayer, pixels, ivec2(four % pixels.x, four / pixels.x));
+                seen = min(layerAt(visibilityLayer, pixels, ivec2(four % pixels.x, four / pixels.x)) /
+                               vec4(peakOf(first), peakOf(first + 1), peakOf(first + 2), peakOf(first + 3)), 1.0);
             sum += seen.x * a + seen.y * b + seen.z * c + seen.w * d;
         }
     }
     return sum;
+}
+
+// Whether there is no surface at the place.
+bool isHole(vec2 uv) {
+    float covered = 1.0;
+    for (int once = missing(coverage); once < 1; ++once) {
+        findPlaces(layers[coverage].x, uv, vec2(0.0));
+        covered = layerAt(coverageLayer, ivec2(1), ivec2(0)).r;
+        placesOf = -1; // other layers of this atlas have another footprint
+    }
+    return covered < tsr_least_coverage;
 }
 
 // The display values of the light. diffuse: a sample of the first layer; uv: the place in all atlases; footprint: what

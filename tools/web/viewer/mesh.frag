@@ -44,6 +44,10 @@ vec4 mipColour(vec2 uv, int mip) {
 void main() {
     vec2 across = dFdx(surfacePlace), down = dFdy(surfacePlace);
     vec2 footprint = sqrt(across * across + down * down) * rayWidth; // in atlases
+#ifdef LAYERED
+    if (isHole(surfacePlace))
+        discard;
+#endif
     vec3 direction = normalize(toEye);
     TsrMeshFrame frame = tsr_mesh_frame(surfaceNormal, surfaceTangent, direction);
     taps = tsr_octahedral_taps(tsr_octahedral_place(angularMap, frame, direction), size.zw);
