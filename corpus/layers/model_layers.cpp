@@ -49,7 +49,7 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     layout.texels = options.texels / (step * step);
     layout.tile = {16, 16};
     layout.position_bits = options.position_bits;
-    layout.uv_bits = options.uv_bits;
+    layout.uv_shift = options.uv_shift;
     TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_layer_atlas(model, layout, options.normal_bits));
     ModelLayers out;
     out.mesh = atlas.stream;

@@ -17,8 +17,10 @@ struct ModelLayersOptions {
     unsigned samples = 64;               // paths per texel of the reflection
     PlaceLightOptions light;
     double exposure = 1.0;
-    // Texels are baked on the decoded mesh, so coarse uv move no texel to a wrong place.
-    unsigned position_bits = 11, uv_bits = 12;
+    unsigned position_bits = 11;
+    // As in ModelAtlasOptions, for the texels of light. Texels are baked on the decoded mesh, so
+    // coarse uv move none of them to a wrong place.
+    unsigned uv_shift = 2;
     unsigned normal_bits = 6; // if the mesh has normals
     BakeRun run;
 };

@@ -67,10 +67,10 @@ Laid lay(const Model& model, const std::vector<FlatChart>& flat, const std::vect
     return laid;
 }
 
-// Enough bits for steps of a sixteenth of a texel.
-unsigned uv_bits_for(const Texels2& size) {
-    return std::clamp(static_cast<unsigned>(std::bit_width(std::max(size[0], size[1]))) + 4u, 10u,
-                      20u);
+// Enough bits for steps of 2^-shift texels.
+unsigned uv_bits_for(const Texels2& size, unsigned shift) {
+    return std::clamp(static_cast<unsigned>(std::bit_width(std::max(size[0], size[1]))) + shift,
+                      10u, 20u);
 }
 
 struct MatchedTriangle {
@@ -178,8 +178,7 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
     atlas.size = packed.size;
     const Laid laid = lay(model, flat, atlas.charts, atlas.size, options.normal_bits > 0);
     const MeshQuantisation bits{.position_bits = options.position_bits,
-                                .uv_bits = options.uv_bits != 0 ? options.uv_bits
-                                                                : uv_bits_for(atlas.size),
+                                .uv_bits = uv_bits_for(atlas.size, options.uv_shift),
                                 .normal_bits = options.normal_bits};
     TESSERA_TRY_ASSIGN(atlas.stream, encode_mesh(laid.mesh, bits));
     // Viewers see the decoded mesh, so all that follows uses it.

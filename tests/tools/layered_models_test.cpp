@@ -66,6 +66,8 @@ TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
          {"--target-bytes", "mesh"});
     fail(1, "bake roof.obj --layered --size 8x8x8x8 -o a.tess", {"--size"});
     fail(1, "bake roof.obj --layered -o a.exr", {".tess"});
+    fail(1, "bake roof.obj --layered --angular-map octahedral-mirrored -o a.tess",
+         {"--angular-map"});
     fail(1, "bake composed --layered -o a.tess", {"--layered", "model"});
     fail(1, "bake roof.obj --lights 3 -o a.tess", {"--lights", "--layered"});
     fail(2, "bake nowhere.obj --layered -o a.tess", {"nowhere.obj"});

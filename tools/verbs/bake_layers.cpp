@@ -19,6 +19,10 @@ constexpr unsigned paths_per_place = 8, paths_per_reflection = 4;
 
 Status check_layered(const BakeCommand& a) {
     const EncodeArguments& e = a.encode;
+    for (const auto& [field, text] : e.description)
+        if (field != "proxy" || text != "mesh")
+            return {ErrorCode::bad_argument,
+                    "--" + field + ": does not apply to --layered, which describes its layers"};
     for (const auto& [option, given] :
          {std::pair("--target-psnr", e.target_psnr.has_value()),
           std::pair("--target-bpt", e.target_bpt.has_value()),

@@ -89,7 +89,8 @@ private:
                               const glm::dvec3& direction) const;
     Result<std::optional<MeshHit>> first_hit(Readers& readers, const Camera& camera,
                                              const glm::dvec3& direction) const;
-    // The value of a layer, linear and scaled; nothing if the file has no such layer.
+    // The value of a layer: linear and scaled, but normals and coverage as they are stored. Nothing
+    // if the file has no such layer.
     Result<std::optional<glm::dvec4>> value(Readers& readers, LayerRole role, const glm::dvec2& uv,
                                             const glm::dvec2& st, const glm::dvec2& covered) const;
     Result<glm::dvec3> light_of_lights(Readers& readers, const Reflectance& reflectance,
@@ -119,6 +120,8 @@ Result<std::optional<glm::dvec4>> LayeredRenderer::value(Readers& readers, Layer
             value = glm::mix(value, second, places.share);
         }
         const DrawnLayer& drawn = layer.drawn();
+        if (role == LayerRole::normal || role == LayerRole::coverage)
+            return std::optional(value); // not light
         return std::optional(
             glm::dvec4(linear(glm::dvec3(value), drawn.transfer) * drawn.scale, value.w));
     }
