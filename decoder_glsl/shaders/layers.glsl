@@ -1,0 +1,109 @@
+// The light of a surface with layers: FORMAT.md 5.6 in single precision. Tests compare it with
+// format/layers.h, which is the same in double precision. It keeps to the subset of surface.glsl.
+#include "octahedral.glsl"
+
+// The sample of a normal layer that stands for 0.
+const float tsr_flat_sample = 128.0f;
+const float tsr_least_cosine = 0.02f; // between a normal and the direction to the observer
+const float tsr_least_roughness = 0.03f;
+const float tsr_spread_share = 0.75f; // of a light's spread that widens the highlight
+
+// How a place reflects light towards an observer. All vectors have unit length and point away from
+// the surface.
+struct TsrReflectance {
+    vec3 normal;
+    vec3 view;
+    vec3 specular; // at normal incidence
+    float roughness;
+};
+
+// Distant light from a patch of directions.
+struct TsrLight {
+    vec3 direction; // unit vector towards the light
+    float spread;   // radians
+    vec3 irradiance;
+};
+
+float tsr_fifth_power(float x) {
+    float square = x * x;
+    return square * square * x;
+}
+
+// Light of a value with transfer sRGB.
+float tsr_linear(float x) {
+    return x <= 0.04045f ? x / 12.92f : pow((x + 0.055f) / 1.055f, 2.4f);
+}
+
+// The display value of light, 0..1.
+float tsr_displayed(float light) {
+    float x = clamp(light, 0.0f, 1.0f);
+    return x <= 0.0031308f ? 12.92f * x : 1.055f * pow(x, 1.0f / 2.4f) - 0.055f;
+}
+
+// The bumped normal of unit length. `value`: both channels of the normal layer, 0..1.
+vec3 tsr_bumped_normal(TsrMeshFrame frame, vec2 value) {
+    vec2 xy = (value * 255.0f - vec2(tsr_flat_sample)) / 127.0f;
+    float square = dot(xy, xy);
+    if (square > 1.0f)
+        xy = xy / sqrt(square);
+    float z = sqrt(max(0.0f, 1.0f - square));
+    return normalize(frame.x * xy.x + cross(frame.z, frame.x) * xy.y + frame.z * z);
+}
+
+// The normal bent towards the observer, in direction `view`, where it would face away.
+vec3 tsr_facing_normal(vec3 normal, vec3 view) {
+    float cosine = dot(normal, view);
+    return cosine < tsr_least_cosine ? normalize(normal + (tsr_least_cosine - cosine) * view)
+                                     : normal;
+}
+
+// The factor of diffuse light.
+float tsr_diffuse_share(TsrReflectance r) {
+    return 1.0f - tsr_fifth_power(1.0f - 0.5f * clamp(dot(r.normal, r.view), 0.0f, 1.0f));
+}
+
+// The specular light of a light source that is not blocked.
+vec3 tsr_light_of(TsrReflectance r, TsrLight light) {
+    float nl = dot(r.normal, light.direction);
+    float nv = dot(r.normal, r.view);
+    if (nl <= 0.0f || nv <= 0.0f)
+        return vec3(0.0f);
+    vec3 h = normalize(light.direction + r.view);
+    float rough = max(r.roughness, tsr_least_roughness);
+    float alpha = rough * rough;
+    float wide = tsr_spread_share * light.spread;
+    float a2 = min(alpha * alpha + wide * wide, 1.0f);
+    // nh^2 (a2 - 1) + 1, where 1 - nh^2 is the square of a sine: the difference would lose most of
+    // its digits in a sharp highlight.
+    float nh = min(dot(r.normal, h), 1.0f);
+    vec3 sine = cross(r.normal, h);
+    float root = nh * nh * a2 + dot(sine, sine);
+    float density = a2 / (tsr_pi * root * root);
+    float s2 = alpha * alpha;
+    float visibility =
+        0.5f / (nl * sqrt(s2 + (1.0f - s2) * nv * nv) + nv * sqrt(s2 + (1.0f - s2) * nl * nl));
+    float fresnel = tsr_fifth_power(1.0f - clamp(dot(r.view, h), 0.0f, 1.0f));
+    return (r.specular + (vec3(1.0f) - r.specular) * fresnel) * (density * visibility * nl) *
+           light.irradiance;
+}
+
+// The polynomial with these coefficients, in ascending order.
+float tsr_cubic(vec4 ascending, float x) {
+    return ascending.x + x * (ascending.y + x * (ascending.z + x * ascending.w));
+}
+
+// The factor of the light in the layer of reflections. The numbers are those of FORMAT.md 5.6.
+vec3 tsr_reflection_share(TsrReflectance r) {
+    float q = max(r.roughness, tsr_least_roughness);
+    float c = clamp(dot(r.normal, r.view), 0.0f, 1.0f);
+    vec4 scale = vec4(tsr_cubic(vec4(0.005f, 4.342f, -6.276f, 2.906f), c),
+                      tsr_cubic(vec4(1.07f, -7.577f, 16.225f, -9.22f), c),
+                      tsr_cubic(vec4(1.467f, -4.067f, -5.616f, 6.752f), c),
+                      tsr_cubic(vec4(-1.745f, 6.274f, -3.532f, -0.735f), c));
+    vec4 bias = vec4(tsr_cubic(vec4(1.048f, -4.432f, 6.109f, -2.742f), c),
+                     tsr_cubic(vec4(-2.27f, 12.147f, -19.452f, 9.669f), c),
+                     tsr_cubic(vec4(1.162f, -10.616f, 20.845f, -11.548f), c),
+                     tsr_cubic(vec4(0.126f, 2.675f, -7.248f, 4.528f), c));
+    return r.specular * clamp(tsr_cubic(scale, q), 0.0f, 1.0f) +
+           vec3(clamp(tsr_cubic(bias, q), 0.0f, 1.0f));
+}
