@@ -9,6 +9,7 @@
 
 #include "decoder_glsl/shader_source.h"
 #include "format/container_reader.h"
+#include "format/surface_mesh.h"
 
 #include <array>
 #include <cstdint>
@@ -41,6 +42,9 @@ struct SampledTextureOptions {
     // file and decodes every tile once to compute them.
     CoarseTexels coarse_from{};
     std::uint32_t jobs_per_update = 0; // on feedback: most tiles decoded per update(); 0: no limit
+    // Whose atlas the texture is, for layers, whose files have no mesh of their own. Null: the mesh
+    // of the file. Only used while the texture is created.
+    const SurfaceMesh* mesh = nullptr;
 };
 
 // The residency that suits a file and a budget in bytes: on_load if all texels fit, else
@@ -94,8 +98,9 @@ public:
 
     // The macros that shaders define before they include sample.glsl.
     std::vector<ShaderDefine> defines() const;
-    // Binds the buffers and the texture of sample.glsl at its default bindings.
-    void bind() const;
+    // Binds the buffers and the texture of sample.glsl at its default bindings. `number` is that of
+    // the texture where TESSERA_TEXTURES says that there are several, which must be on load.
+    void bind(unsigned number = 0) const;
 
     // Call it once per frame, after drawing. It has no effect unless the texture is resident on
     // feedback. It reads the marks of finished frames, decodes missing tiles, and clears the marks

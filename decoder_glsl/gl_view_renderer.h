@@ -1,12 +1,15 @@
-// Draws views of a textured sphere, one ray per pixel, or of a textured mesh, as triangles.
+// Draws views of a textured sphere, one ray per pixel, or of a mesh with a texture or with layers, as
+// triangles.
 #pragma once
 
 #include "decoder_glsl/gl_sampled_texture.h"
+#include "format/layers.h"
 #include "format/surface_mesh.h"
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace TESSERA_PUBLIC tessera {
@@ -22,6 +25,14 @@ struct ViewCamera {
     std::uint32_t width = 0, height = 0; // pixels
 };
 
+// A layer (FORMAT.md 5.6) whose texels are decoded.
+struct ViewLayer {
+    LayerRole role = LayerRole::diffuse;
+    float scale = 1; // the light, or other value, of a sample of 1
+    Transfer transfer = Transfer::unspecified;
+    const SampledTexture* texture = nullptr; // resident on load
+};
+
 // Every call and the destructor need a current OpenGL 4.5 context.
 class GlViewRenderer {
 public:
@@ -32,6 +43,12 @@ public:
     // of the mesh's size may be missing. In a tile cache only visible surfaces mark their tiles.
     // Errors: bad_argument (the mesh breaks a rule of format/surface_mesh.h), runtime.
     static Result<GlViewRenderer> create(const SampledTexture& texture, const SurfaceMesh& mesh);
+    // The same with layers, as display values. The diffuse layer comes first, no role occurs twice,
+    // and the textures fit their roles (check_layer()). All have the same `hardware_filter`. Errors:
+    // those above; unsupported (the device has too few buffers for them).
+    static Result<GlViewRenderer> create(std::span<const ViewLayer> layers,
+                                         std::span<const DistantLight> lights,
+                                         const SurfaceMesh& mesh);
     GlViewRenderer(GlViewRenderer&&) noexcept;
     GlViewRenderer& operator=(GlViewRenderer&&) noexcept;
     ~GlViewRenderer();

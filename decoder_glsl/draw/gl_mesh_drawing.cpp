@@ -83,7 +83,7 @@ struct ReleaseVertexArray {
 
 class MeshDrawing final : public ViewDrawing {
 public:
-    explicit MeshDrawing(const SampledTexture& texture) : texture_(texture) {}
+    explicit MeshDrawing(MeshLook look) : look_(std::move(look)) {}
 
     Status open(const SurfaceMesh& mesh) {
         TESSERA_TRY(check_mesh(mesh, true, ErrorCode::bad_argument));
@@ -106,11 +106,11 @@ public:
             picture_.clear(camera.outside);
             glBindBufferBase(GL_UNIFORM_BUFFER, 0, view_.id());
             glBindVertexArray(array_.get());
+            look_.bind();
             state.write_depths();
             depths_.use();
             draw_triangles();
             state.write_colours();
-            texture_.bind();
             colours_.use();
             draw_triangles();
             picture_.resolve();
@@ -122,18 +122,20 @@ public:
     Result<std::vector<float>> read() const override { return picture_.read(); }
 
     std::uint64_t bytes() const override {
-        return picture_.bytes() + view_.bytes() + vertices_.bytes() + indices_.bytes();
+        return picture_.bytes() + view_.bytes() + vertices_.bytes() + indices_.bytes() +
+               look_.bytes;
     }
 
 private:
     Status make_programs() {
-        constexpr auto dialect = ShaderDialect::gl450;
-        TESSERA_TRY_ASSIGN(const auto vertex, shader_source("mesh.vert.glsl", dialect));
-        TESSERA_TRY_ASSIGN(const auto fragment,
-                           shader_source("mesh.frag.glsl", dialect, texture_.defines()));
+        TESSERA_TRY_ASSIGN(const auto vertex,
+                           shader_source("mesh.vert.glsl", ShaderDialect::gl450));
         const std::string nothing = "#version 450 core\nvoid main() {}\n";
-        TESSERA_TRY_ASSIGN(depths_, GlProgram::graphics(vertex, nothing, "mesh depths"));
-        TESSERA_TRY_ASSIGN(colours_, GlProgram::graphics(vertex, fragment, "mesh colours"));
+        TESSERA_TRY_ASSIGN(
+            depths_, GlProgram::graphics(
+                         vertex, look_.depth_fragment.empty() ? nothing : look_.depth_fragment,
+                         "mesh depths"));
+        TESSERA_TRY_ASSIGN(colours_, GlProgram::graphics(vertex, look_.fragment, "mesh colours"));
         return {};
     }
 
@@ -168,7 +170,7 @@ private:
 
     void draw_triangles() const { glDrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr); }
 
-    const SampledTexture& texture_;
+    MeshLook look_;
     GlProgram depths_, colours_;
     GlBuffer vertices_, indices_, view_;
     GlHandle<ReleaseVertexArray> array_;
@@ -179,9 +181,17 @@ private:
 
 } // namespace
 
-Result<std::unique_ptr<ViewDrawing>> make_mesh_drawing(const SampledTexture& texture,
-                                                       const SurfaceMesh& mesh) {
-    auto drawing = std::make_unique<MeshDrawing>(texture);
+Result<MeshLook> textured_look(const SampledTexture& texture) {
+    TESSERA_TRY_ASSIGN(auto fragment,
+                       shader_source("mesh.frag.glsl", ShaderDialect::gl450, texture.defines()));
+    MeshLook look;
+    look.fragment = std::move(fragment);
+    look.bind = [&texture] { texture.bind(); };
+    return look;
+}
+
+Result<std::unique_ptr<ViewDrawing>> make_mesh_drawing(MeshLook look, const SurfaceMesh& mesh) {
+    auto drawing = std::make_unique<MeshDrawing>(std::move(look));
     TESSERA_TRY(drawing->open(mesh));
     return std::unique_ptr<ViewDrawing>(std::move(drawing));
 }

@@ -20,7 +20,16 @@ Result<GlViewRenderer> GlViewRenderer::create(const SampledTexture& texture) {
 
 Result<GlViewRenderer> GlViewRenderer::create(const SampledTexture& texture,
                                               const SurfaceMesh& mesh) {
-    TESSERA_TRY_ASSIGN(auto drawing, make_mesh_drawing(texture, mesh));
+    TESSERA_TRY_ASSIGN(auto look, textured_look(texture));
+    TESSERA_TRY_ASSIGN(auto drawing, make_mesh_drawing(std::move(look), mesh));
+    return GlViewRenderer(std::unique_ptr<State>(new State{std::move(drawing)}));
+}
+
+Result<GlViewRenderer> GlViewRenderer::create(std::span<const ViewLayer> layers,
+                                              std::span<const DistantLight> lights,
+                                              const SurfaceMesh& mesh) {
+    TESSERA_TRY_ASSIGN(auto look, layered_look(layers, lights));
+    TESSERA_TRY_ASSIGN(auto drawing, make_mesh_drawing(std::move(look), mesh));
     return GlViewRenderer(std::unique_ptr<State>(new State{std::move(drawing)}));
 }
 

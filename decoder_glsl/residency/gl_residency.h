@@ -45,8 +45,9 @@ struct TextureFile {
 // mips. Each residency sets the fields that it needs, which are 0 here, and appends its page table.
 std::vector<std::uint32_t> sampler_words(const TextureFile& file);
 
-// Binds the sampler's buffer, its header as uniforms, and the texels.
-void bind_sampler(const GlBuffer& parameters, const GlTexture& texels);
+// Binds the sampler's buffer, its header as uniforms, and the texels, of the texture with this
+// number (see sample.glsl).
+void bind_sampler(const GlBuffer& parameters, const GlTexture& texels, GLuint number);
 
 // Loads the payloads of tiles, collects them in batches and passes each full batch to `flush`.
 class BatchFeed {
@@ -68,7 +69,8 @@ private:
 class Resident {
 public:
     virtual ~Resident() = default;
-    virtual void bind() const = 0;
+    // A tile cache has always the number 0.
+    virtual void bind(GLuint number) const = 0;
     virtual std::uint64_t bytes() const = 0;
     virtual std::uint64_t damaged_tiles() const = 0;
     virtual Result<UpdateReport> update(bool) { return UpdateReport{}; }

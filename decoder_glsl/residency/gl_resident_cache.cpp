@@ -43,8 +43,8 @@ public:
         return drop_cache();
     }
 
-    void bind() const override {
-        bind_sampler(parameters_, texels_);
+    void bind(GLuint number) const override {
+        bind_sampler(parameters_, texels_, number);
         marks_.bind(marks_binding);
     }
     std::uint64_t bytes() const override {

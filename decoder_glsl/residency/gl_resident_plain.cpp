@@ -13,13 +13,14 @@ using namespace layout;
 
 class PlainTexture final : public Resident {
 public:
-    void bind() const override { bind_sampler(parameters_, texels_); }
+    void bind(GLuint number) const override { bind_sampler(parameters_, texels_, number); }
     std::uint64_t bytes() const override { return texels_.bytes() + parameters_.bytes(); }
     std::uint64_t damaged_tiles() const override { return damaged_; }
 
     Status load(TextureFile& file, bool hardware_filter) {
         const PlainLayout plain = layout_of(file);
-        const std::uint64_t needed = decoded_bytes(file.reader);
+        const std::uint64_t needed = std::uint64_t{plain.shape.width} * plain.shape.height *
+                                     plain.shape.layers * texel_bytes(file.format());
         constexpr std::uint64_t least_work = 4ull << 20;
         if (needed + least_work > file.budget)
             return {ErrorCode::unsupported,

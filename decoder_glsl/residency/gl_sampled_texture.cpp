@@ -45,14 +45,18 @@ PlainLayout plain_layout(const Extent4& size) {
 
 namespace {
 
+// Layers have an atlas as well, but no proxy.
 bool has_atlas(const ContainerReader& reader) {
     const Description& d = reader.description();
-    return d.proxy == Proxy::mesh && d.surface_map == SurfaceMap::mesh_uv;
+    return (d.proxy == Proxy::mesh || d.proxy == Proxy::none) &&
+           d.surface_map == SurfaceMap::mesh_uv;
 }
 
 // Mips need the mesh of the file. Where it does not decode there are none, and an application can
 // still draw the texture on a mesh of its own.
-AtlasMips mips_of(const ContainerReader& reader) {
+AtlasMips mips_of(const ContainerReader& reader, const SurfaceMesh* given) {
+    if (given != nullptr)
+        return {*given, reader.grid()};
     constexpr std::uint64_t most_bytes = 1ull << 30; // while it is decoded
     if (!has_atlas(reader))
         return {};
@@ -197,10 +201,10 @@ Status BatchFeed::finish() {
     return flush_(batch);
 }
 
-void bind_sampler(const GlBuffer& parameters, const GlTexture& texels) {
-    parameters.bind_storage(sampler_binding);
-    parameters.bind_uniforms(parameters_binding, tsr_sampler_words * 4);
-    texels.bind_texture(texels_unit);
+void bind_sampler(const GlBuffer& parameters, const GlTexture& texels, GLuint number) {
+    parameters.bind_storage(sampler_binding + number);
+    parameters.bind_uniforms(parameters_binding + number, tsr_sampler_words * 4);
+    texels.bind_texture(texels_unit + number);
 }
 
 struct SampledTexture::State {
@@ -240,7 +244,7 @@ SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptio
     TESSERA_TRY_ASSIGN(auto tables, DecodeTables::make(reader));
     const bool half = traits_of(reader.desc().type).is_float;
     TESSERA_TRY_ASSIGN(auto decoder, GlTileDecoder::create(tables, half));
-    AtlasMips mips = mips_of(reader);
+    AtlasMips mips = mips_of(reader, options.mesh);
     if (options.residency == Residency::on_feedback && !cache_slot(grid, mips.count() > 0).fits())
         mips = {}; // a slot with mips beside such long tiles is too large for a texture
     return std::unique_ptr<State>(new State{.options = options,
@@ -286,8 +290,8 @@ std::vector<ShaderDefine> SampledTexture::defines() const {
     return defines;
 }
 
-void SampledTexture::bind() const {
-    state_->resident->bind();
+void SampledTexture::bind(unsigned number) const {
+    state_->resident->bind(number);
 }
 Result<UpdateReport> SampledTexture::update(bool wait) {
     return state_->resident->update(wait);

@@ -25,6 +25,10 @@
 //   TESSERA_UNIT_TEXELS         0  sampler2DArray
 // The host class SampledTexture (gl_sampled_texture.h) fills and binds them.
 //
+// With TESSERA_TEXTURES defined as N, there are N plain textures. Their bindings count up from those
+// above, and tsr_select(i) chooses the one that is sampled, which must be the same in all
+// invocations. OpenGL ES has no such arrays.
+//
 // With a tile cache, a sample of a missing tile returns coarse texels and marks the tile, so that
 // the host decodes it.
 #ifndef TSR_SAMPLE
@@ -46,18 +50,42 @@
 #include "surface.glsl"
 #include "octahedral.glsl"
 
+// The parameters are the first words of the sampler again. Pixels share reads of uniforms, but each
+// pixel reads words of a buffer itself.
+#ifdef TESSERA_TEXTURES
+const int tsr_textures = TESSERA_TEXTURES;
+int tsr_selected = 0;
+void tsr_select(int texture_number) {
+    tsr_selected = texture_number;
+}
+layout(std430, binding = TESSERA_BINDING_SAMPLER) restrict readonly buffer TesseraSampler {
+    uint words[];
+}
+tsr_samplers[TESSERA_TEXTURES];
+layout(std140, TSR_UNIFORMS(TESSERA_BINDING_PARAMETERS)) uniform TesseraParameters {
+    uvec4 fours[tsr_sampler_words / 4];
+}
+tsr_all_parameters[TESSERA_TEXTURES];
+layout(TSR_TEXTURE(TESSERA_UNIT_TEXELS)) uniform highp sampler2DArray
+    tsr_all_texels[TESSERA_TEXTURES];
+#define tsr_sampler tsr_samplers[tsr_selected].words
+#define tsr_parameters tsr_all_parameters[tsr_selected].fours
+#define tsr_texels tsr_all_texels[tsr_selected]
+#else
+const int tsr_textures = 1;
+void tsr_select(int texture_number) {}
 layout(std430, binding = TESSERA_BINDING_SAMPLER) restrict readonly buffer TesseraSampler {
     uint tsr_sampler[];
 };
-uint tsr_word(int i) {
-    return tsr_sampler[i];
-}
-
-// The first words again. Pixels share reads of uniforms, but each pixel reads words of a buffer
-// itself.
 layout(std140, TSR_UNIFORMS(TESSERA_BINDING_PARAMETERS)) uniform TesseraParameters {
     uvec4 tsr_parameters[tsr_sampler_words / 4];
 };
+layout(TSR_TEXTURE(TESSERA_UNIT_TEXELS)) uniform highp sampler2DArray tsr_texels;
+#endif
+
+uint tsr_word(int i) {
+    return tsr_sampler[i];
+}
 uint tsr_parameter(int field) {
     return tsr_parameters[field >> 2][field & 3];
 }
@@ -105,8 +133,6 @@ vec4 tsr_shares(vec2 weight) {
 vec4 tsr_sum4(vec4 a, vec4 b, vec4 c, vec4 d, vec4 shares) {
     return a * shares.x + b * shares.y + c * shares.z + d * shares.w;
 }
-
-layout(TSR_TEXTURE(TESSERA_UNIT_TEXELS)) uniform highp sampler2DArray tsr_texels;
 
 // Four texels of an angular image, and their shares. `neighbours`: x and y, and x and z, are
 // adjacent or, at an edge, the same.
@@ -240,16 +266,20 @@ TsrAngularTaps tsr_folded_taps(TsrOctahedralTaps taps, ivec2 angular) {
                           tsr_shares(taps.weight), false);
 }
 
-vec4 tessera_sample_surface(vec2 uv, vec3 normal, vec3 tangent, vec3 direction, vec2 footprint) {
+// The texels around a direction of unit length in the frame.
+TsrAngularTaps tsr_taps_towards(TsrMeshFrame frame, vec3 direction) {
     ivec4 size = tsr_four(tsr_p_size);
     ivec2 angular = ivec2(size.z, size.w);
     int map = int(tsr_parameter(tsr_p_angular_map));
-    TsrMeshFrame frame = tsr_mesh_frame(normal, tangent, direction);
     TsrOctahedralTaps octahedral =
         tsr_octahedral_taps(tsr_octahedral_place(map, frame, direction), angular);
-    TsrAngularTaps taps = tsr_taps(tsr_ended(octahedral, angular));
     if (map == tsr_map_mirrored && tsr_crosses_fold(octahedral, angular))
-        taps = tsr_folded_taps(octahedral, angular);
+        return tsr_folded_taps(octahedral, angular);
+    return tsr_taps(tsr_ended(octahedral, angular));
+}
+
+// A mix of two mips, by the footprint in texels, for the same angular texels everywhere.
+vec4 tsr_sample_atlas(vec2 uv, TsrAngularTaps taps, vec2 footprint) {
     float mip = tsr_mip_for(footprint);
     int first = int(mip);
     float second = mip - float(first); // share of the next mip
@@ -260,6 +290,11 @@ vec4 tessera_sample_surface(vec2 uv, vec3 normal, vec3 tangent, vec3 direction, 
                   tsr_four_images(m.f, m.shares, taps, taps, taps, taps);
     }
     return colour;
+}
+
+vec4 tessera_sample_surface(vec2 uv, vec3 normal, vec3 tangent, vec3 direction, vec2 footprint) {
+    return tsr_sample_atlas(
+        uv, tsr_taps_towards(tsr_mesh_frame(normal, tangent, direction), direction), footprint);
 }
 
 #endif

@@ -1,5 +1,8 @@
 // Tests models in layers, from the verb bake to the picture.
 #include "tests/support/cli_fixture.h"
+#ifdef TESSERA_GPU
+#include "tests/support/gpu_fixture.h"
+#endif
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -40,6 +43,24 @@ TEST_F(LayeredModels, LookLikeTheirTruth) {
     EXPECT_TRUE(slurp(at("a.tess")) == slurp(at("b.tess")));
 }
 
+#ifdef TESSERA_GPU
+TEST_F(LayeredModels, LookTheSameOnTheGpu) {
+    if (no_gpu_asked())
+        GTEST_SKIP() << "TESSERA_NO_GPU=1";
+    spit(at("roof.obj"), glossy_roof);
+    succeed("bake roof.obj --light 1,2,1 --exposure 0.3 --roughness 0.4 --metal 0 --layered "
+            "--texels 4000 --lights 4 "
+            "--spp 2 --effort 0 -q -o a.tess");
+    const std::string view = " --eye 3,2,2 --fov 12 --pixels 80x60 -q"; // no edges
+    succeed("render a.tess -o cpu.png" + view);
+    for (const std::string via : {"gpu", "load"}) {
+        succeed("render a.tess -o gpu.png --via " + via + view);
+        EXPECT_GT(json("compare cpu.png gpu.png --json")["psnr"], 50) << via;
+    }
+    fail(5, "render a.tess -o v.png --via load --budget 32M", {"a.tess", "--budget 33M"});
+}
+#endif
+
 TEST_F(LayeredModels, DamageIsFoundInEveryLayer) {
     spit(at("roof.obj"), glossy_roof);
     succeed("bake roof.obj --layered --texels 4000 --lights 2 --spp 2 --effort 0 -q -o a.tess");
@@ -72,7 +93,7 @@ TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
     fail(1, "bake roof.obj --lights 3 -o a.tess", {"--lights", "--layered"});
     fail(2, "bake nowhere.obj --layered -o a.tess", {"nowhere.obj"});
     succeed("bake roof.obj --layered --texels 2000 --lights 0 --spp 1 --effort 0 -q -o a.tess");
-    fail(5, "render a.tess -o v.png --via load", {"a.tess", "layers", "--via cpu"});
+    fail(5, "render a.tess -o v.png --via feedback", {"a.tess", "layers", "--via load"});
 }
 
 } // namespace

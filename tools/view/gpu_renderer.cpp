@@ -35,31 +35,49 @@ constexpr unsigned most_troubled = 3;
 
 class GpuRenderer final : public ViewRenderer {
 public:
-    GpuRenderer(HeadlessContext context, const ContainerReader& reader,
-                const glm::dvec3& background, const GpuRenderOptions& options)
-        : context_(std::move(context)), reader_(reader), background_(background),
-          options_(options) {}
+    GpuRenderer(HeadlessContext context, const glm::dvec3& background,
+                const GpuRenderOptions& options)
+        : context_(std::move(context)), background_(background), options_(options) {}
     GpuRenderer(const GpuRenderer&) = delete;
     GpuRenderer& operator=(const GpuRenderer&) = delete;
     ~GpuRenderer() override {
         // These own objects of the context, so they must be destroyed while it is current.
         if (context_.make_current()) {
             view_.reset();
-            texture_.reset();
+            textures_.clear();
         }
     }
 
-    Status open(const SphereWindow& window) {
-        TESSERA_TRY(open_texture());
+    Status open(const ContainerReader& reader, const SphereWindow& window) {
+        TESSERA_TRY(open_texture(reader));
         window_ = window;
-        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(*texture_));
+        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(textures_[0].texture));
         view_.emplace(std::move(view));
         return {};
     }
 
-    Status open(const SurfaceMesh& mesh) {
-        TESSERA_TRY(open_texture());
-        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(*texture_, mesh));
+    Status open(const ContainerReader& reader, const SurfaceMesh& mesh) {
+        TESSERA_TRY(open_texture(reader));
+        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(textures_[0].texture, mesh));
+        view_.emplace(std::move(view));
+        return {};
+    }
+
+    Status open(std::span<const GpuLayer> layers, std::span<const DistantLight> lights,
+                const SurfaceMesh& mesh) {
+        TESSERA_TRY(check_budget(layers));
+        std::vector<ViewLayer> drawn;
+        for (const GpuLayer& layer : layers) {
+            SampledTextureOptions options;
+            options.residency = Residency::on_load;
+            options.budget = budget() - texture_bytes();
+            options.mesh = &mesh;
+            TESSERA_TRY(add_texture(*layer.reader, options));
+            drawn.push_back({layer.role, layer.scale, layer.reader->description().transfer});
+        }
+        for (std::size_t i = 0; i < drawn.size(); ++i)
+            drawn[i].texture = &textures_[i].texture;
+        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(drawn, lights, mesh));
         view_.emplace(std::move(view));
         return {};
     }
@@ -70,10 +88,11 @@ public:
         TESSERA_TRY(context_.make_current());
         TESSERA_TRY_ASSIGN(const auto report,
                            draw(gpu_camera(camera, window_.value_or(SphereWindow{}), background_)));
-        if (texture_->damaged_tiles() > 0)
-            return Status(ErrorCode::invalid_file,
-                          reader_.name() + ": " + std::to_string(texture_->damaged_tiles()) +
-                              " tiles are damaged; tessera validate lists them");
+        for (const auto& [reader, texture] : textures_)
+            if (texture.damaged_tiles() > 0)
+                return Status(ErrorCode::invalid_file,
+                              reader->name() + ": " + std::to_string(texture.damaged_tiles()) +
+                                  " tiles are damaged; tessera validate lists them");
         auto view = read_view(camera.width, camera.height);
         if (view.ok())
             view->remark = remark_on(report);
@@ -83,13 +102,24 @@ public:
     void watch(FrameHook hook) override { hook_ = std::move(hook); }
 
     std::optional<DeviceUse> device_use() const override {
-        return DeviceUse{context_.device(), texture_->bytes() + view_->bytes()};
+        return DeviceUse{context_.device(), texture_bytes() + view_->bytes()};
     }
 
 private:
-    Status open_texture() {
+    struct Texture {
+        const ContainerReader* reader;
+        SampledTexture texture;
+    };
+
+    Status add_texture(const ContainerReader& reader, const SampledTextureOptions& options) {
+        TESSERA_TRY_ASSIGN(auto texture, SampledTexture::create(reader, options));
+        textures_.push_back({&reader, std::move(texture)});
+        return {};
+    }
+
+    Status open_texture(const ContainerReader& reader) {
         SampledTextureOptions options;
-        options.residency = options_.via == "gpu"    ? choose_residency(reader_, budget())
+        options.residency = options_.via == "gpu"    ? choose_residency(reader, budget())
                             : options_.via == "load" ? Residency::on_load
                                                      : Residency::on_feedback;
         options.budget = budget();
@@ -97,14 +127,34 @@ private:
         options.coarse_from = {options_.coarse_level, options_.coarse_texels};
         // Without a coarse level, the coarse texels are the means of all tiles, and a partial file
         // does not have all of them.
-        options.coarse = options_.coarse_texels != nullptr || !reader_.is_partial();
-        TESSERA_TRY_ASSIGN(auto texture, SampledTexture::create(reader_, options));
-        texture_.emplace(std::move(texture));
+        options.coarse = options_.coarse_texels != nullptr || !reader.is_partial();
+        TESSERA_TRY(add_texture(reader, options));
         by_frames_ = options.residency == Residency::on_feedback;
         return {};
     }
 
+    // There is no tile cache for layers.
+    Status check_budget(std::span<const GpuLayer> layers) const {
+        constexpr std::uint64_t mebibyte = 1 << 20, work = 32 * mebibyte;
+        std::uint64_t needed = work;
+        for (const GpuLayer& layer : layers)
+            needed += decoded_bytes(*layer.reader);
+        if (needed <= budget())
+            return {};
+        return {ErrorCode::unsupported,
+                layers[0].reader->name() +
+                    ": its layers, which are decoded as a whole, need --budget " +
+                    std::to_string((needed + mebibyte - 1) / mebibyte) + "M"};
+    }
+
     std::uint64_t budget() const { return std::uint64_t{options_.budget_mib} << 20; }
+
+    std::uint64_t texture_bytes() const {
+        std::uint64_t bytes = 0;
+        for (const Texture& each : textures_)
+            bytes += each.texture.bytes();
+        return bytes;
+    }
 
     Result<View> read_view(std::uint32_t width, std::uint32_t height) const {
         TESSERA_TRY_ASSIGN(const auto pixels, view_->read());
@@ -124,7 +174,7 @@ private:
             TESSERA_TRY(view_->draw(camera));
             const Traffic before = traffic(); // update() reads for the next frame
             const UpdateReport last = std::exchange(report, {});
-            TESSERA_TRY_ASSIGN(report, texture_->update(true));
+            TESSERA_TRY_ASSIGN(report, textures_[0].texture.update(true));
             TESSERA_TRY(tell(camera, frame, report, last, before));
             if (!report.trouble.ok()) {
                 if (report.trouble.code() != ErrorCode::io || ++troubled == most_troubled)
@@ -165,31 +215,31 @@ private:
         return std::to_string(missing) + " of the " + std::to_string(report.touched) +
                " tiles in view do not fit into --budget " + std::to_string(options_.budget_mib) +
                "M and are drawn coarsely; --budget " +
-               std::to_string((texture_->budget_for(report.touched) >> 20) + 1) +
+               std::to_string((textures_[0].texture.budget_for(report.touched) >> 20) + 1) +
                "M would hold all of them";
     }
 
     HeadlessContext context_;
-    const ContainerReader& reader_;
     std::optional<SphereWindow> window_; // absent: a mesh
     glm::dvec3 background_;
     GpuRenderOptions options_;
-    std::optional<SampledTexture> texture_;
+    std::vector<Texture> textures_; // several only of layers, which update() does not change
     std::optional<GlViewRenderer> view_;
     bool by_frames_ = false;
     FrameHook hook_;
     Traffic told_; // reported to the hook so far
 };
 
-template <class Surface>
-Result<std::unique_ptr<ViewRenderer>>
-make_renderer(const ContainerReader& reader, const Surface& surface, const glm::dvec3& background,
-              const GpuRenderOptions& options) {
+// `subject` is what one of the functions GpuRenderer::open() takes.
+template <class... Subject>
+Result<std::unique_ptr<ViewRenderer>> make_renderer(const glm::dvec3& background,
+                                                    const GpuRenderOptions& options,
+                                                    const Subject&... subject) {
     auto context = HeadlessContext::create();
     if (!context.ok())
         return or_by_cpu(context.status(), options.via);
-    auto renderer = std::make_unique<GpuRenderer>(std::move(*context), reader, background, options);
-    const Status opened = renderer->open(surface);
+    auto renderer = std::make_unique<GpuRenderer>(std::move(*context), background, options);
+    const Status opened = renderer->open(subject...);
     if (!opened.ok())
         return or_by_cpu(opened, options.via);
     return std::unique_ptr<ViewRenderer>(std::move(renderer));
@@ -199,10 +249,9 @@ make_renderer(const ContainerReader& reader, const Surface& surface, const glm::
 #else
 namespace {
 
-template <class Surface>
-Result<std::unique_ptr<ViewRenderer>> make_renderer(const ContainerReader&, const Surface&,
-                                                    const glm::dvec3&,
-                                                    const GpuRenderOptions& options) {
+template <class... Subject>
+Result<std::unique_ptr<ViewRenderer>>
+make_renderer(const glm::dvec3&, const GpuRenderOptions& options, const Subject&...) {
     return or_by_cpu({ErrorCode::unsupported, "this build has no GPU support (TESSERA_GPU is off)"},
                      options.via);
 }
@@ -214,14 +263,22 @@ Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& r
                                                         const SphereWindow& window,
                                                         const glm::dvec3& background,
                                                         const GpuRenderOptions& options) {
-    return make_renderer(reader, window, background, options);
+    return make_renderer(background, options, reader, window);
 }
 
 Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
                                                         const SurfaceMesh& mesh,
                                                         const glm::dvec3& background,
                                                         const GpuRenderOptions& options) {
-    return make_renderer(reader, mesh, background, options);
+    return make_renderer(background, options, reader, mesh);
+}
+
+Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(std::span<const GpuLayer> layers,
+                                                        std::span<const DistantLight> lights,
+                                                        const SurfaceMesh& mesh,
+                                                        const glm::dvec3& background,
+                                                        const GpuRenderOptions& options) {
+    return make_renderer(background, options, layers, lights, mesh);
 }
 
 } // namespace tessera

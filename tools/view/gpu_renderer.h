@@ -2,12 +2,15 @@
 #pragma once
 
 #include "format/container_reader.h"
+#include "format/layers.h"
 #include "format/surface_mesh.h"
 #include "tools/view/view_renderer.h"
 
 #include <glm/vec3.hpp>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace tessera {
 
@@ -45,6 +48,22 @@ Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& r
 // drawn with four samples per pixel. The observer may stand anywhere. `mesh` is only used during
 // this call.
 Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(const ContainerReader& reader,
+                                                        const SurfaceMesh& mesh,
+                                                        const glm::dvec3& background,
+                                                        const GpuRenderOptions& options);
+
+// A layer of a file, opened as a file of its own. The reader outlives the renderer.
+struct GpuLayer {
+    LayerRole role = LayerRole::diffuse;
+    float scale = 1; // the light of a sample of 1
+    const ContainerReader* reader = nullptr;
+};
+
+// The same for a file with layers; the diffuse one comes first. The picture matches
+// make_layered_renderer(). All layers are decoded as a whole, so that `options.via` is "load" or
+// "gpu", and together they must fit into the budget.
+Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(std::span<const GpuLayer> layers,
+                                                        std::span<const DistantLight> lights,
                                                         const SurfaceMesh& mesh,
                                                         const glm::dvec3& background,
                                                         const GpuRenderOptions& options);

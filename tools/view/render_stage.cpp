@@ -155,18 +155,22 @@ Status add_cpu_renderer(const FileSurface& surface, Stage& stage) {
     return {};
 }
 
-// Draws all layers of the file.
-Status add_layered_renderer(const StageRequest& r, const FileSurface& surface, Stage& stage) {
+Status add_layers_on_gpu(const StageRequest& r, const FileSurface& surface, Stage& stage) {
     const ContainerReader& container = stage.decoder->container();
-    if (!surface.mesh)
-        return {ErrorCode::unsupported, r.file + ": its layers do not lie on a mesh"};
-    if (r.via != "cpu")
-        return {ErrorCode::unsupported, r.file + ": has layers, which need --via cpu for now"};
-    if (!r.original.empty())
-        return {ErrorCode::unsupported, r.file + ": --original cannot be used with layers"};
-    const bool is_remote = network_traffic(*stage.bytes).has_value();
-    TESSERA_TRY_ASSIGN(stage.layers,
-                       open_layers(is_remote ? *stage.bytes : *stage.metered, container, r.decode));
+    std::vector<GpuLayer> drawn = {{LayerRole::diffuse, container.layers().scale, &container}};
+    for (const OpenLayerFile& layer : stage.layers)
+        drawn.push_back({layer.info.role, layer.info.scale, &layer.decoder->container()});
+    GpuRenderOptions options;
+    options.via = r.via;
+    options.budget_mib = r.budget_mib;
+    TESSERA_TRY_ASSIGN(stage.compressed,
+                       make_gpu_renderer(drawn, container.layers().lights, surface.mesh->mesh,
+                                         surface.background, options));
+    return {};
+}
+
+Status add_layers_on_cpu(const FileSurface& surface, Stage& stage) {
+    const ContainerReader& container = stage.decoder->container();
     stage.texels = decoded_grid(*stage.decoder);
     std::vector<DrawnLayer> drawn = {
         {LayerRole::diffuse, static_cast<double>(container.layers().scale), stage.texels.get(),
@@ -182,6 +186,23 @@ Status add_layered_renderer(const StageRequest& r, const FileSurface& surface, S
                        make_layered_renderer(drawn, container.layers().lights, surface.mesh->mesh,
                                              surface.background, surface.options));
     return {};
+}
+
+// Draws all layers of the file.
+Status add_layered_renderer(const StageRequest& r, const FileSurface& surface, Stage& stage) {
+    const ContainerReader& container = stage.decoder->container();
+    if (!surface.mesh)
+        return {ErrorCode::unsupported, r.file + ": its layers do not lie on a mesh"};
+    if (r.via == "feedback")
+        return {ErrorCode::unsupported,
+                r.file + ": has layers, which --via feedback cannot draw; --via load can"};
+    if (!r.original.empty())
+        return {ErrorCode::unsupported, r.file + ": --original cannot be used with layers"};
+    const bool is_remote = network_traffic(*stage.bytes).has_value();
+    TESSERA_TRY_ASSIGN(stage.layers,
+                       open_layers(is_remote ? *stage.bytes : *stage.metered, container, r.decode));
+    return r.via == "cpu" ? add_layers_on_cpu(surface, stage)
+                          : add_layers_on_gpu(r, surface, stage);
 }
 
 Status add_gpu_renderer(const StageRequest& r, const FileSurface& surface, Stage& stage) {

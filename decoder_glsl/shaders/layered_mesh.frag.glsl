@@ -1,0 +1,170 @@
+// Fragments of a mesh whose file has layers (FORMAT.md 5.6), as display values. The host defines
+// TESSERA_TEXTURES and, for each layer besides the diffuse one, which is texture 0, a macro with the
+// number of its texture: TESSERA_LAYER_EMISSION, _SPECULAR, _ROUGHNESS, _NORMAL, _VISIBILITY,
+// _REFLECTION and _COVERAGE. TESSERA_LIGHTS is the number of lights; it is not defined if there are
+// none. With TESSERA_COVERAGE_ONLY, the program is for the pass that draws depths.
+#include "sample.glsl"
+#include "layers.glsl"
+
+#ifndef TESSERA_COVERAGE_ONLY
+layout(early_fragment_tests) in;
+#endif
+
+layout(std140, TSR_UNIFORMS(1)) uniform TesseraLayers {
+    vec4 tsr_scales[tsr_textures]; // of each texture: x is the scale, y is 1 for transfer sRGB
+#ifdef TESSERA_LIGHTS
+    vec4 tsr_lights[2 * TESSERA_LIGHTS]; // direction, spread; irradiance, peak of the visibility
+#endif
+};
+
+layout(location = 0) centroid in vec3 tsr_to_eye;
+layout(location = 1) centroid in vec3 tsr_surface_normal;
+layout(location = 2) centroid in vec3 tsr_surface_tangent;
+layout(location = 3) centroid in vec2 tsr_place;
+
+layout(location = 0) out vec4 tsr_colour;
+
+// The footprint in texels of a layer. covered: the pixel's share of the atlas along u and v
+vec2 tsr_texels_covered(vec2 covered) {
+    ivec4 size = tsr_four(tsr_p_size);
+    return covered * vec2(float(size.x), float(size.y));
+}
+
+vec4 tsr_sample_layer(TsrAngularTaps taps, vec2 covered) {
+    return tsr_sample_atlas(tsr_place, taps, tsr_texels_covered(covered));
+}
+
+// The same for a layer of one direction, which it selects.
+vec4 tsr_sample_flat(int layer, vec2 covered) {
+    tsr_select(layer);
+    return tsr_sample_layer(TsrAngularTaps(ivec4(0), ivec4(0), vec4(1.0, 0.0, 0.0, 0.0), true),
+                            covered);
+}
+
+// The linear value of a sample.
+vec3 tsr_value(int layer, vec4 texel) {
+    vec4 scale = tsr_scales[layer];
+    vec3 value = texel.xyz;
+    if (scale.y > 0.0)
+        value = vec3(tsr_linear(value.x), tsr_linear(value.y), tsr_linear(value.z));
+    return value * scale.x;
+}
+
+vec3 tsr_flat_value(int layer, vec2 covered) {
+    return tsr_value(layer, tsr_sample_flat(layer, covered));
+}
+
+bool tsr_is_hole() {
+#ifdef TESSERA_LAYER_COVERAGE
+    return tsr_flat_value(TESSERA_LAYER_COVERAGE, vec2(0.0)).x < tsr_least_coverage;
+#else
+    return false;
+#endif
+}
+
+#ifdef TESSERA_LIGHTS
+#ifdef TESSERA_LAYER_VISIBILITY
+// The angular images around the place in one mip, and their shares.
+struct TsrImages {
+    ivec3 low_low;
+    ivec3 high_low;
+    ivec3 low_high;
+    ivec3 high_high;
+    vec4 shares;
+};
+
+TsrImages tsr_images(int mip, float share) {
+    TsrMipFootprint m = tsr_mip_footprint(tsr_place, mip);
+    return TsrImages(
+        tsr_plain_pixel(m.f.low), tsr_plain_pixel(ivec2(m.f.high.x, m.f.low.y)),
+        tsr_plain_pixel(ivec2(m.f.low.x, m.f.high.y)), tsr_plain_pixel(m.f.high), m.shares * share);
+}
+
+float tsr_seen(TsrImages images, ivec3 light) {
+    return dot(images.shares, vec4(texelFetch(tsr_texels, images.low_low + light, 0).x,
+                                   texelFetch(tsr_texels, images.high_low + light, 0).x,
+                                   texelFetch(tsr_texels, images.low_high + light, 0).x,
+                                   texelFetch(tsr_texels, images.high_high + light, 0).x));
+}
+#endif
+
+// The specular light of all lights.
+vec3 tsr_light_of_lights(TsrReflectance reflectance, vec2 covered) {
+#ifdef TESSERA_LAYER_VISIBILITY
+    tsr_select(TESSERA_LAYER_VISIBILITY);
+    float mip = tsr_mip_for(tsr_texels_covered(covered));
+    float second = mip - float(int(mip)); // share of the next mip
+    TsrImages finer = tsr_images(int(mip), 1.0 - second);
+    TsrImages coarser = finer;
+    for (int i = second > 0.0 ? 0 : 1; i < 1; ++i)
+        coarser = tsr_images(int(mip) + 1, second);
+    int columns = max(tsr_four(tsr_p_size).z, 1);
+#endif
+    vec3 sum = vec3(0.0);
+    for (int j = 0; j < TESSERA_LIGHTS; ++j) {
+        vec4 direction = tsr_lights[2 * j];
+        vec4 irradiance = tsr_lights[2 * j + 1];
+        vec3 light = tsr_light_of(reflectance,
+                                  TsrLight(direction.xyz, direction.w, irradiance.xyz));
+#ifdef TESSERA_LAYER_VISIBILITY
+        ivec3 column = ivec3(j % columns, j / columns, 0);
+        float seen = 0.0;
+        // Most lights give no highlight here.
+        for (int i = max(light.x, max(light.y, light.z)) < 1e-5 ? 2 : 0;
+             i < (second > 0.0 ? 2 : 1); ++i)
+            seen += i == 0 ? tsr_seen(finer, column) : tsr_seen(coarser, column);
+        light *= min(seen / irradiance.w, 1.0);
+#endif
+        sum += light;
+    }
+    return sum;
+}
+#endif
+
+#ifdef TESSERA_COVERAGE_ONLY
+void main() {
+    if (tsr_is_hole())
+        discard;
+}
+#else
+void main() {
+    vec2 across = dFdx(tsr_place);
+    vec2 up = dFdy(tsr_place);
+    vec2 covered = sqrt(across * across + up * up);
+    if (tsr_is_hole())
+        discard;
+    vec3 view = normalize(tsr_to_eye);
+    TsrMeshFrame frame = tsr_mesh_frame(tsr_surface_normal, tsr_surface_tangent, view);
+    vec3 normal = frame.z;
+#ifdef TESSERA_LAYER_NORMAL
+    // A texture of two channels holds the second one as alpha.
+    normal = tsr_bumped_normal(frame, tsr_sample_flat(TESSERA_LAYER_NORMAL, covered).xw);
+#endif
+    normal = tsr_facing_normal(normal, view);
+    vec3 light = tsr_flat_value(0, covered);
+    vec3 reflected = vec3(1.0);
+#ifdef TESSERA_LAYER_SPECULAR
+    TsrReflectance reflectance =
+        TsrReflectance(normal, view, tsr_flat_value(TESSERA_LAYER_SPECULAR, covered), 1.0);
+#ifdef TESSERA_LAYER_ROUGHNESS
+    reflectance.roughness = tsr_flat_value(TESSERA_LAYER_ROUGHNESS, covered).x;
+#endif
+    light *= tsr_diffuse_share(reflectance);
+#ifdef TESSERA_LIGHTS
+    light += tsr_light_of_lights(reflectance, covered);
+#endif
+    reflected = tsr_reflection_share(reflectance);
+#endif
+#ifdef TESSERA_LAYER_REFLECTION
+    tsr_select(TESSERA_LAYER_REFLECTION);
+    frame.z = normal;
+    vec4 mirrored = tsr_sample_layer(tsr_taps_towards(frame, view), covered);
+    light += reflected * tsr_value(TESSERA_LAYER_REFLECTION, mirrored);
+#endif
+#ifdef TESSERA_LAYER_EMISSION
+    light += tsr_flat_value(TESSERA_LAYER_EMISSION, covered);
+#endif
+    tsr_colour =
+        vec4(tsr_displayed(light.x), tsr_displayed(light.y), tsr_displayed(light.z), 1.0);
+}
+#endif
