@@ -48,7 +48,7 @@ for bytes in 260000 320000 400000 500000; do
     bake "helmet-$bytes" "$helmet" --layered --target-bytes $bytes
     helmet_views "helmet-$bytes"
 done
-bake helmet-flat "$helmet" --directions 1x1 --density 70 --spp 4 --target-bytes 400000
+bake helmet-flat "$helmet" --directions 1x1 --density 50 --spp 1 --target-bytes 400000
 helmet_views helmet-flat
 
 for model in bunny suzi pmndrs; do
