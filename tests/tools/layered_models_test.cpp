@@ -39,8 +39,9 @@ TEST_F(LayeredModels, LookLikeTheirTruth) {
     EXPECT_EQ(bytes, slurp(at("a.tess")).size());
     // The first layer alone is an ordinary texture.
     succeed("decode a.tess -o a.png");
-    succeed(lit + "--quality 70 --threads 1 -q -o b.tess");
-    EXPECT_TRUE(slurp(at("a.tess")) == slurp(at("b.tess")));
+    succeed(lit + "--quality 70 --threads 1 -q -o new/folder/b.tess");
+    EXPECT_TRUE(slurp(at("a.tess")) == slurp(at("new/folder/b.tess")));
+    EXPECT_TRUE(slurp(at("a.tess")) == run(lit + "--quality 70 -q -o -").out);
 }
 
 #ifdef TESSERA_GPU

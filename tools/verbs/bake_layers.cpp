@@ -94,6 +94,15 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
                  format_number(baked.density, 3).c_str());
 }
 
+Status write_file(const std::string& path, std::span<const std::byte> bytes) {
+    if (path == standard_stream) {
+        TESSERA_TRY(write_standard_output(bytes));
+        return flush_standard_output();
+    }
+    TESSERA_TRY(make_parent_folders(path));
+    return write_bytes(path, bytes);
+}
+
 } // namespace
 
 Status bake_layered(const BakeCommand& a) {
@@ -133,7 +142,7 @@ Status bake_layered(const BakeCommand& a) {
                            encode_layers(baked, encode, a.encode.quality, a.encode.target_bytes)
                                .with_context(a.output));
     }
-    TESSERA_TRY(write_bytes(a.output, coded.file));
+    TESSERA_TRY(write_file(a.output, coded.file));
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     report(a, baked, coded, warnings, seconds.count());
     return {};
