@@ -57,7 +57,7 @@ Cells cells_of(const Environment& environment) {
     return cells;
 }
 
-struct Patch2 {
+struct EnvironmentPatch {
     std::uint32_t x0, y0, x1, y1;
     Sum sum;
     // The best place to split it, and what that gains.
@@ -66,7 +66,7 @@ struct Patch2 {
     double gain = 0;
 };
 
-void find_split(const Cells& cells, Patch2& p) {
+void find_split(const Cells& cells, EnvironmentPatch& p) {
     const auto cell = [&](std::uint32_t x, std::uint32_t y) -> const Sum& {
         return cells[std::size_t{y} * columns + x];
     };
@@ -112,7 +112,7 @@ DistantLight light_of(const Sum& sum, double exposure) {
 
 std::vector<DistantLight> distant_lights(const ModelLight& light, unsigned count, double exposure) {
     const Cells cells = cells_of(*light.environment);
-    std::list<Patch2> patches{{0, 0, columns, rows, {}}};
+    std::list<EnvironmentPatch> patches{{0, 0, columns, rows, {}}};
     find_split(cells, patches.front());
     while (patches.size() < count) {
         auto best = patches.begin();
@@ -121,7 +121,7 @@ std::vector<DistantLight> distant_lights(const ModelLight& light, unsigned count
                 best = it;
         if (!(best->gain > 0.0))
             break;
-        Patch2 second = *best;
+        EnvironmentPatch second = *best;
         (best->along_x ? best->x1 : best->y1) = best->at;
         (second.along_x ? second.x0 : second.y0) = second.at;
         find_split(cells, *best);
@@ -129,7 +129,7 @@ std::vector<DistantLight> distant_lights(const ModelLight& light, unsigned count
         patches.insert(std::next(best), second);
     }
     std::vector<DistantLight> lights;
-    for (const Patch2& patch : patches)
+    for (const EnvironmentPatch& patch : patches)
         if (patch.sum.brightness > 0.0)
             lights.push_back(light_of(patch.sum, exposure));
     if (light.sun)

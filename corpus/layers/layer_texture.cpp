@@ -1,7 +1,8 @@
 #include "corpus/layers/layer_texture.h"
 
+#include "corpus/model/model.h"
+
 #include <algorithm>
-#include <cmath>
 
 namespace tessera::corpus {
 namespace {
@@ -13,11 +14,6 @@ std::byte to_unorm8(double x) {
 }
 
 } // namespace
-
-double linear_to_srgb(double x) {
-    x = std::clamp(x, 0.0, 1.0);
-    return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
-}
 
 LayerTexture make_layer(LayerRole role, const Extent4& size, std::uint8_t channels) {
     LayerTexture layer;

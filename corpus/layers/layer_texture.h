@@ -32,7 +32,4 @@ using LightTexels = std::vector<glm::vec3>;
 // Stores light as sRGB, with the scale such that nothing above `most` is clipped.
 void store_light(LayerTexture& layer, const LightTexels& light, double most);
 
-// The sRGB value of linear light in 0..1.
-double linear_to_srgb(double x);
-
 } // namespace tessera::corpus

@@ -80,8 +80,8 @@ Result<PlaceLight> PlaceLight::make(const ModelPlaces& places, const Tracer& tra
     made.matters_.assign(count, 0);
     made.visibility_.assign(count * lights.size(), 0);
     made.diffuse_.resize(count);
-    made.normals_.resize(count);
     made.harmonics_.resize(count);
+    made.smooth_.resize(count);
     TESSERA_TRY(for_rows("baking light", made.size_[1], run, [&](std::uint32_t v) {
         for (std::uint32_t u = 0; u < made.size_[0]; ++u)
             if (places.texel_places().matters(u, v) && !places.is_hidden(u, v)) {
@@ -97,7 +97,6 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer,
                       std::uint32_t u, std::uint32_t v) {
     const std::size_t at = index(u, v);
     const glm::dvec3 middle = places.place(u, v, {0.0, 0.0}).frame.ez;
-    normals_[at] = glm::vec3(middle);
     glm::dvec3 lit(0.0);
     std::array<glm::dvec3, 9> sums{};
     const auto add = [&](const glm::dvec3& direction, const glm::dvec3& light) {
@@ -127,6 +126,7 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer,
     diffuse_[at] = glm::vec3(lit);
     for (std::size_t i = 0; i < sums.size(); ++i)
         harmonics_[at][i] = glm::vec3(sums[i]);
+    smooth_[at] = convolved(harmonics_[at], glm::dvec3(glm::vec3(middle)));
 
     const std::uint64_t shadows = mix_bits(options.seed + shadow_paths);
     for (unsigned i = 0; i < options.shadow_samples; ++i) {
@@ -163,7 +163,7 @@ std::optional<glm::dvec3> PlaceLight::diffuse(const glm::dvec2& texel,
             if (!matters(u, v) || weight <= 0.0)
                 continue;
             const std::size_t at = index(u, v);
-            const glm::dvec3 smooth = convolved(harmonics_[at], glm::dvec3(normals_[at]));
+            const glm::dvec3& smooth = smooth_[at];
             const glm::dvec3 bumped = convolved(harmonics_[at], normal);
             glm::dvec3 change(1.0);
             for (glm::length_t c = 0; c < 3; ++c)

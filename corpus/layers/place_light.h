@@ -15,7 +15,7 @@ struct PlaceLightOptions {
     std::uint64_t seed = 1;
 };
 
-// Immutable and thread-safe. Memory: 124 bytes per texel of the atlas, and a byte per texel and
+// Immutable and thread-safe. Memory: 145 bytes per texel of the atlas, and a byte per texel and
 // light.
 class PlaceLight {
 public:
@@ -47,8 +47,9 @@ private:
     Texels2 size_{0, 0};
     std::size_t lights_ = 0;
     std::vector<std::uint8_t> matters_, visibility_;
-    std::vector<glm::vec3> diffuse_, normals_; // without bumps
+    std::vector<glm::vec3> diffuse_; // without bumps
     std::vector<Harmonics> harmonics_;
+    std::vector<glm::dvec3> smooth_; // the light of the harmonics without bumps
 };
 
 } // namespace tessera::corpus

@@ -4,6 +4,7 @@
 #include "corpus/picture_file.h"
 #include "format/status.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -21,6 +22,12 @@ namespace tessera::corpus {
 // The linear light of an sRGB value in 0..1.
 inline double srgb_to_linear(double x) {
     return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+}
+
+// The inverse. Light beyond 0..1 is clamped.
+inline double linear_to_srgb(double light) {
+    const double x = std::clamp(light, 0.0, 1.0);
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
 }
 
 enum class Wrap : std::uint8_t { repeat, clamp, mirror };
@@ -41,7 +48,7 @@ inline constexpr double usual_reflectance = 0.04;
 struct ModelMaterial {
     glm::dvec4 base{1.0}; // linear
     double metal = 1.0, roughness = 1.0;
-    // The mirror of what is no metal: KHR_materials_ior, and the weight and colour of
+    // How dielectrics mirror: KHR_materials_ior, and the weight and colour of
     // KHR_materials_specular.
     double reflectance = usual_reflectance, specular = 1.0;
     glm::dvec3 specular_colour{1.0};

@@ -55,7 +55,7 @@ Status check_layers(std::span<const ViewLayer> layers) {
     return {};
 }
 
-// The device has at least `needed` of what `query` counts.
+// Checks that the device's limit `query` is at least `needed`.
 Status check_limit(GLenum query, const char* name, std::size_t needed) {
     GLint offered = 0;
     glGetIntegerv(query, &offered);

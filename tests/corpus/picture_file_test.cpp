@@ -12,6 +12,7 @@
 #include <webp/encode.h>
 
 #include "tests/support/pictures.h"
+#include "tests/support/png_memory.h"
 #include "tests/support/test_folder.h"
 
 namespace tessera::corpus {
@@ -110,13 +111,7 @@ std::string low_png(int depth, int type, int interlace, const std::vector<std::s
     std::string file;
     png_structp out = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
     png_infop info = png_create_info_struct(out);
-    png_set_write_fn(
-        out, &file,
-        [](png_structp p, png_bytep data, std::size_t size) {
-            static_cast<std::string*>(png_get_io_ptr(p))
-                ->append(reinterpret_cast<char*>(data), size);
-        },
-        nullptr);
+    test::write_png_to(out, file);
     png_set_IHDR(out, info, width, static_cast<png_uint_32>(rows.size()), depth, type, interlace,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (!palette.empty())

@@ -2,6 +2,7 @@
 #include "corpus/picture_file.h"
 #include "format/samples.h"
 #include "tests/support/pictures.h"
+#include "tests/support/png_memory.h"
 #include "tests/support/test_folder.h"
 
 #include <bit>
@@ -316,13 +317,7 @@ std::string png_with(const std::string& icc, double gamma) {
     std::string file;
     png_structp out = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
     png_infop info = png_create_info_struct(out);
-    png_set_write_fn(
-        out, &file,
-        [](png_structp p, png_bytep data, std::size_t size) {
-            static_cast<std::string*>(png_get_io_ptr(p))
-                ->append(reinterpret_cast<char*>(data), size);
-        },
-        nullptr);
+    test::write_png_to(out, file);
     png_set_IHDR(out, info, 1, 1, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (!icc.empty())

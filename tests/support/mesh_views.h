@@ -17,20 +17,24 @@ namespace tessera::test {
 
 inline const glm::dvec3 backdrop_grey{0.5};
 
+inline void append_mesh(SurfaceMesh& to, const SurfaceMesh& from) {
+    const auto base = static_cast<std::uint32_t>(to.positions.size());
+    const auto append = [](auto& values, const auto& more) {
+        values.insert(values.end(), more.begin(), more.end());
+    };
+    append(to.positions, from.positions);
+    append(to.normals, from.normals);
+    append(to.uv, from.uv);
+    for (const auto& [a, b, c] : from.triangles)
+        to.triangles.push_back({a + base, b + base, c + base});
+}
+
 // A box and a ball that partly hide each other. Both have the same texture.
 inline SurfaceMesh box_and_ball() {
     SurfaceMesh mesh = six_charts(1, false), ball = six_charts(2, true);
-    const auto base = static_cast<std::uint32_t>(mesh.positions.size());
     for (glm::vec3& position : ball.positions)
         position = position * 1.5f + glm::vec3(2.4f, 0.3f, -0.5f);
-    const auto append = [](auto& to, const auto& from) {
-        to.insert(to.end(), from.begin(), from.end());
-    };
-    append(mesh.positions, ball.positions);
-    append(mesh.normals, ball.normals);
-    append(mesh.uv, ball.uv);
-    for (const auto& [a, b, c] : ball.triangles)
-        mesh.triangles.push_back({a + base, b + base, c + base});
+    append_mesh(mesh, ball);
     return mesh;
 }
 

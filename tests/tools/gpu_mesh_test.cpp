@@ -174,15 +174,7 @@ TEST_F(GpuMesh, HiddenSurfacesMarkNothing) {
     EXPECT_GT(alone, 0u);
     EXPECT_GT(touched(hidden), 0u);
     // The hidden ball comes first, so that it is drawn before the box that hides it.
-    const auto base = static_cast<std::uint32_t>(hidden.positions.size());
-    const auto append = [](auto& to, const auto& from) {
-        to.insert(to.end(), from.begin(), from.end());
-    };
-    append(hidden.positions, mesh.positions);
-    append(hidden.normals, mesh.normals);
-    append(hidden.uv, mesh.uv);
-    for (const auto& [a, b, c] : mesh.triangles)
-        hidden.triangles.push_back({a + base, b + base, c + base});
+    append_mesh(hidden, mesh);
     EXPECT_EQ(touched(hidden), alone);
 }
 

@@ -7,7 +7,7 @@ namespace tessera {
 namespace {
 
 constexpr int most_shift = 24; // pixels
-// A direction is clear if its best shift leaves at most this part of what the other one leaves.
+// A direction is clear if the error after its best shift is at most this share of the other's.
 constexpr double clear_ratio = 0.7;
 
 // The mean difference where `b` is shifted by (x, y) against `a`, of the pixels that both have.

@@ -1,22 +1,15 @@
 // Draws a texture on any surface that can intersect itself with a ray.
 #pragma once
 
+#include "tools/view/seen_texels.h"
 #include "tools/view/texel_cache.h"
 #include "tools/view/view_drawing.h"
 
 #include <cmath>
-#include <glm/common.hpp>
 #include <optional>
 #include <set>
 
 namespace tessera {
-
-// The texels that a ray samples: those of one mip level, or of two levels that are blended.
-struct SeenTexels {
-    Footprint first;
-    std::optional<Footprint> second{};
-    double share = 0; // weight of `second`, 0 to 1
-};
 
 // `Surface` provides three members, all thread-safe:
 // - Extent4 size: the size of the texture's grid.
@@ -63,11 +56,7 @@ private:
         const auto found = surface_.seen(camera, direction, width_);
         if (!found)
             return background_;
-        TESSERA_TRY_ASSIGN(glm::dvec4 value, sample(texels, found->first));
-        if (found->second) {
-            TESSERA_TRY_ASSIGN(const glm::dvec4 second, sample(texels, *found->second));
-            value = glm::mix(value, second, found->share);
-        }
+        TESSERA_TRY_ASSIGN(const glm::dvec4 value, sample(texels, *found));
         return texels.desc().channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
     }
 

@@ -2,12 +2,12 @@
 
 #include "corpus/model/model.h"
 #include "corpus/model_surface/display.h"
-#include "tools/view/footprint_renderer.h"
 #include "tools/view/mesh_rays.h"
 #include "tools/view/mip_source.h"
+#include "tools/view/seen_texels.h"
 #include "tools/view/texel_cache.h"
+#include "tools/view/view_drawing.h"
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace tessera {
@@ -21,6 +21,14 @@ glm::dvec3 linear(const glm::dvec3& value, Transfer transfer) {
         return value;
     return {corpus::srgb_to_linear(value.x), corpus::srgb_to_linear(value.y),
             corpus::srgb_to_linear(value.z)};
+}
+
+// Replaces the angular texel of all taps.
+void turn_to(Footprint& footprint, std::uint32_t s, std::uint32_t t) {
+    for (WeightedTexel& texel : footprint) {
+        texel.s = s;
+        texel.t = t;
+    }
 }
 
 // A layer with its mips and its cache of texels.
@@ -38,21 +46,10 @@ public:
     const DrawnLayer& drawn() const { return drawn_; }
     TexelCache& cache() { return cache_; }
 
-    // The texels at `uv` of the atlas for a pixel that covers `covered` of it, in both mips.
-    struct Places {
-        Footprint first{}, second{};
-        double share = 0; // of the second
-    };
-    Places places(AngularMap map, const glm::dvec2& uv, const glm::dvec2& st,
-                  const glm::dvec2& covered) const {
-        const double mip = mips_->mip_for(covered * glm::dvec2(size_[axis_u], size_[axis_v]));
-        const auto whole = static_cast<unsigned>(mip);
-        Places places{.first = mips_->footprint(map, uv, st, whole)};
-        if (mip > whole) {
-            places.second = mips_->footprint(map, uv, st, whole + 1);
-            places.share = mip - whole;
-        }
-        return places;
+    // The texels for a pixel that covers `covered` of the atlas, as a share of the whole.
+    SeenTexels seen(AngularMap map, const glm::dvec2& uv, const glm::dvec2& st,
+                    const glm::dvec2& covered) const {
+        return texels_in_mips(*mips_, size_, map, uv, st, covered);
     }
 
 private:
@@ -112,13 +109,9 @@ Result<std::optional<glm::dvec4>> LayeredRenderer::value(Readers& readers, Layer
         const OpenLayer& layer = *layers_[i];
         if (layer.role() != role)
             continue;
-        const OpenLayer::Places places =
-            layer.places(AngularMap::octahedral_mirrored, uv, st, covered);
-        TESSERA_TRY_ASSIGN(glm::dvec4 value, sample(readers[i], places.first));
-        if (places.share > 0.0) {
-            TESSERA_TRY_ASSIGN(const glm::dvec4 second, sample(readers[i], places.second));
-            value = glm::mix(value, second, places.share);
-        }
+        TESSERA_TRY_ASSIGN(
+            const glm::dvec4 value,
+            sample(readers[i], layer.seen(AngularMap::octahedral_mirrored, uv, st, covered)));
         const DrawnLayer& drawn = layer.drawn();
         if (role == LayerRole::normal || role == LayerRole::coverage)
             return std::optional(value); // not light
@@ -135,30 +128,30 @@ Result<glm::dvec3> LayeredRenderer::light_of_lights(Readers& readers,
     std::size_t i = 0;
     while (i < layers_.size() && layers_[i]->role() != LayerRole::visibility)
         ++i;
-    glm::dvec3 sum(0.0);
-    OpenLayer::Places places;
+    const bool stored = i < layers_.size();
+    SeenTexels places;
     std::uint32_t columns = 1;
-    if (i < layers_.size()) {
-        places = layers_[i]->places(AngularMap::octahedral_hemisphere, uv, {0.0, 0.0}, covered);
-        columns = layers_[i]->drawn().texels->desc().size[axis_s];
+    if (stored) {
+        // At the centre of an angular texel, so that no tap falls on another one.
+        const Extent4& size = layers_[i]->drawn().texels->desc().size;
+        columns = size[axis_s];
+        places = layers_[i]->seen(AngularMap::octahedral_hemisphere, uv,
+                                  {0.5 / size[axis_s], 0.5 / size[axis_t]}, covered);
     }
+    glm::dvec3 sum(0.0);
     for (std::uint32_t j = 0; j < lights_.size(); ++j) {
         const glm::dvec3 light = reflectance.of(lights_[j]);
         if (std::max({light.x, light.y, light.z}) < 1e-5)
             continue;
-        double seen = 0.0;
-        for (int part = 0; part < 2 && i < layers_.size(); ++part) {
-            const double weight = part == 0 ? 1.0 - places.share : places.share;
-            if (weight <= 0.0)
-                continue;
-            for (const WeightedTexel& t : part == 0 ? places.first : places.second)
-                if (t.weight > 0.0) {
-                    TESSERA_TRY_ASSIGN(const glm::dvec4 value,
-                                       readers[i].texel(t.u, t.v, j % columns, j / columns));
-                    seen += weight * t.weight * value.x;
-                }
+        double share = 1.0;
+        if (stored) {
+            turn_to(places.first, j % columns, j / columns);
+            if (places.second)
+                turn_to(*places.second, j % columns, j / columns);
+            TESSERA_TRY_ASSIGN(const glm::dvec4 value, sample(readers[i], places));
+            share = std::min(value.x / peaks_[j], 1.0);
         }
-        sum += light * (i < layers_.size() ? std::min(seen / peaks_[j], 1.0) : 1.0);
+        sum += light * share;
     }
     return sum;
 }

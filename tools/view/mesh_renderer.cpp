@@ -26,15 +26,7 @@ struct MeshPlaces {
             return std::nullopt;
         const SurfacePoint& point = hit->point;
         const glm::dvec2 st = octahedral_place(map, point.frame, -direction);
-        const double mip =
-            mips->mip_for(width * (hit->covered * glm::dvec2(size[axis_u], size[axis_v])));
-        const auto first = static_cast<unsigned>(mip);
-        SeenTexels seen{mips->footprint(map, point.uv, st, first)};
-        if (mip > first) {
-            seen.second = mips->footprint(map, point.uv, st, first + 1);
-            seen.share = mip - first;
-        }
-        return seen;
+        return texels_in_mips(*mips, size, map, point.uv, st, width * hit->covered);
     }
 };
 
