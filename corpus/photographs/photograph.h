@@ -3,8 +3,8 @@
 // The readers expect hostile files, like those of corpus/picture_file.h.
 #pragma once
 
-#include "corpus/picture_file.h"
 #include "corpus/photographs/photo_camera.h"
+#include "corpus/picture_file.h"
 #include "format/status.h"
 
 #include <array>
@@ -23,37 +23,44 @@ struct PosedPhotograph {
     std::string path;      // of the picture
     std::string mask_path; // of a picture that is black where pixels do not count; empty: none
     PhotoCamera camera;    // describes the picture as read_photograph() returns it
-    Exif exif = Exif::ignored; // whether the cameras describe the picture as EXIF turns it
+    Exif exif = Exif::ignored; // whether the camera describes the picture as EXIF turns it
 };
 
 struct PhotographOptions {
     std::string images; // the folder of the pictures; empty: where the description says they are
-    // Whether the pictures are needed. Without them, frames of which the picture is missing stay,
-    // and a description that states no size of them is an error.
+    // Without pictures, only those are opened whose cameras state no size. Frames whose pictures are
+    // missing stay.
     bool with_pictures = true;
+};
+
+// Something that a user should know about a set of photographs.
+struct PhotographNote {
+    std::string kind;        // "the picture is missing, so its photograph is left out"
+    std::string place;       // the first file or frame of which that is true
+    std::uint64_t count = 1; // of how many it is true
 };
 
 struct PhotographSet {
     std::vector<PosedPhotograph> photographs; // in the order of the description; at least one
-    // For people: missing, surplus and repeated pictures, scaled or turned ones, and what the
-    // description states besides, such as a transformation that was applied to its cameras.
-    std::vector<std::string> notes;
+    // Missing, surplus, repeated, scaled and turned pictures, and transformations of the world that
+    // the description states.
+    std::vector<PhotographNote> notes;
 };
 
 // Reads which photographs there are. `path` is a transforms.json of NeRF-synthetic, instant-ngp or
-// nerfstudio, a COLMAP model (a folder with cameras, images and points3D, .bin or .txt), or a folder
-// with a transforms.json, sparse/0 or sparse. Opens each picture to compare its size with the
-// camera: a camera of a picture that was uniformly scaled, as those of nerfstudio's images_4, is
-// scaled with it. Cameras describe pictures as they are stored. Where only the picture that EXIF
-// turns has the camera's size, they describe that.
+// nerfstudio, a COLMAP model (a folder with cameras and images, .bin or .txt), or a folder with a
+// transforms.json, sparse/0 or sparse. Opens each picture to compare its size with the camera. The
+// camera of a picture that was uniformly scaled, as those of nerfstudio's images_4, is scaled with
+// it. Cameras describe pictures as they are stored. Where only the picture that EXIF turns has the
+// camera's size, they describe that.
 //
 // The world's frame is that of the file and is never changed.
 //
-// Errors name the file and the frame: io, bad_argument (no such description in the folder),
-// invalid_file (damaged; no frames; no picture exists; numbers that are not finite or not positive;
-// matrices that mirror, scale or skew, or are transposed; a size that the picture does not have; a
-// distortion that folds the picture), unsupported (fisheye lenses, other camera models of COLMAP,
-// rolling shutters, more than most_photographs frames).
+// Errors name the file and the frame: io, bad_argument (no description in the folder, no picture
+// exists), invalid_file (damaged; no frames; numbers that are not finite or not positive; matrices
+// that mirror, scale or skew, or are transposed; a size that the picture does not have; a distortion
+// that folds the picture), unsupported (fisheye lenses, other camera models of COLMAP, rolling
+// shutters, too large pictures, more than most_photographs frames).
 Result<PhotographSet> read_photographs(const std::string& path,
                                        const PhotographOptions& options = {});
 
@@ -68,7 +75,7 @@ struct PhotoPixels {
 // is the picture's alpha times the mask. With a `background`, in display values, colours are mixed
 // with it by alpha, and the weight is the mask alone. Thread-safe. Errors name the file: those of
 // open_picture_file(), unsupported (above 2^14 pixels a side or 2^26 in all), and invalid_file (a
-// picture or mask whose size has changed or is not the camera's).
+// picture or mask that does not have the camera's size).
 Result<PhotoPixels> read_photograph(const PosedPhotograph& photograph,
                                     const std::optional<glm::dvec3>& background = std::nullopt);
 
