@@ -1,5 +1,5 @@
-# Renders Blender's default cube with tools/scripts/blender_views.py, as planar views and as a sphere,
-# and encodes both.
+# Renders Blender's default cube with tools/scripts/blender_views.py, as planar views, as a sphere and
+# as photographs. Encodes the first two, and reads the third with their cameras.
 #   cmake -DROOT=. -DTESSERA=tessera -DBLENDER=blender -DOUT=folder -P check_blender_views.cmake
 function(run)
     execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE said ERROR_VARIABLE said RESULT_VARIABLE code)
@@ -28,3 +28,8 @@ render(planar ${OUT}/views 3x2 0.4 11 16x12)
 expect(16x12x3x2 ${OUT}/views)
 render(sphere ${OUT}/s.exr 4x2x3x3 2)
 expect(4x2x3x3 ${OUT}/s.exr --mosaic 3x3)
+render(photos ${OUT}/photos 3 2 16x12 8)
+run(${TESSERA} compare ${OUT}/photos/transforms_test.json ${OUT}/photos/test)
+if(NOT said MATCHES "r_1 +exact" OR said MATCHES "warning" OR NOT EXISTS ${OUT}/photos/mesh.obj)
+    message(FATAL_ERROR "not two photographs and a mesh: ${said}")
+endif()

@@ -22,7 +22,8 @@ template <class Take> Status each_line(const std::string& path, const Take& take
 }
 
 template <class Number>
-Status take_number(const LineReader& lines, std::string_view& line, const char* what, Number& out) {
+Status take_colmap_number(const LineReader& lines, std::string_view& line, const char* what,
+                          Number& out) {
     const std::string_view word = take_word(line);
     if (!parse_word(word, out))
         return wrong_line(lines, std::string(what) + " is not a number: " + in_quotes(word));
@@ -39,15 +40,15 @@ Result<ColmapCameras> read_colmap_cameras_text(const std::string& path) {
         TESSERA_TRY(check_frame_count(cameras.size() + 1));
         std::uint32_t id = 0;
         ColmapCamera camera;
-        TESSERA_TRY(take_number(lines, line, "the camera's id", id));
+        TESSERA_TRY(take_colmap_number(lines, line, "the camera's id", id));
         TESSERA_TRY_ASSIGN(
             camera.lens,
             colmap_lens(take_word(line)).with_context("line " + std::to_string(lines.number())));
-        TESSERA_TRY(take_number(lines, line, "the width", camera.width));
-        TESSERA_TRY(take_number(lines, line, "the height", camera.height));
+        TESSERA_TRY(take_colmap_number(lines, line, "the width", camera.width));
+        TESSERA_TRY(take_colmap_number(lines, line, "the height", camera.height));
         camera.parameters.resize(camera.lens.parameters);
         for (double& parameter : camera.parameters)
-            TESSERA_TRY(take_number(lines, line, "a parameter of the camera", parameter));
+            TESSERA_TRY(take_colmap_number(lines, line, "a parameter of the camera", parameter));
         if (!trimmed(line).empty())
             return wrong_line(lines, "a camera " + std::string(camera.lens.name) + " has only " +
                                          std::to_string(camera.lens.parameters) + " parameters");
@@ -72,12 +73,13 @@ Result<std::vector<ColmapImage>> read_colmap_images_text(const std::string& path
         TESSERA_TRY(check_frame_count(images.size() + 1));
         std::uint32_t id = 0;
         ColmapImage image;
-        TESSERA_TRY(take_number(lines, line, "the image's id", id));
+        TESSERA_TRY(take_colmap_number(lines, line, "the image's id", id));
         for (double& part : image.rotation)
-            TESSERA_TRY(take_number(lines, line, "the image's rotation", part));
+            TESSERA_TRY(take_colmap_number(lines, line, "the image's rotation", part));
         for (glm::length_t axis = 0; axis < 3; ++axis)
-            TESSERA_TRY(take_number(lines, line, "the image's translation", image.shift[axis]));
-        TESSERA_TRY(take_number(lines, line, "the image's camera", image.camera));
+            TESSERA_TRY(
+                take_colmap_number(lines, line, "the image's translation", image.shift[axis]));
+        TESSERA_TRY(take_colmap_number(lines, line, "the image's camera", image.camera));
         image.name = trimmed(line);
         if (image.name.empty())
             return wrong_line(lines, "the image has no name");

@@ -144,8 +144,7 @@ void note_surplus(const PhotographSet& set, NoteCounts& notes) {
              !none && entry != end; entry.increment(none)) {
             const fs::path path = (fs::path(folder) / entry->path().filename()).lexically_normal();
             const std::string suffix = path.extension().string();
-            if (std::ranges::find(picture_suffixes, suffix) != picture_suffixes.end() &&
-                !known.contains(path.string()))
+            if (is_picture_suffix(suffix) && !known.contains(path.string()))
                 surplus.insert(path.string());
         }
     }
@@ -154,6 +153,10 @@ void note_surplus(const PhotographSet& set, NoteCounts& notes) {
 }
 
 } // namespace
+
+bool is_picture_suffix(std::string_view suffix) {
+    return std::ranges::find(picture_suffixes, suffix) != picture_suffixes.end();
+}
 
 Result<PhotographSet> find_pictures(const std::string& path, StatedFrames stated,
                                     const PhotographOptions& options) {

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,10 @@ struct PhotographSet {
 // shutters, too large pictures, more than most_photographs frames).
 Result<PhotographSet> read_photographs(const std::string& path,
                                        const PhotographOptions& options = {});
+
+// Short names of photographs for outputs and tables, all different: paths below the folder that the
+// frames share, without suffixes: "r_0", or "left/0001". None of them leaves that folder.
+std::vector<std::string> names_of(std::span<const PosedPhotograph> photographs);
 
 struct PhotoPixels {
     std::uint32_t width = 0, height = 0; // those of the camera

@@ -11,7 +11,8 @@ namespace tessera::corpus {
 namespace {
 
 constexpr double most_distance = 1e9; // of an eye from the origin, world units
-constexpr double most_focal = 1e9;    // pixels
+// Pixels. Within these bounds tangents and their powers stay finite.
+constexpr double least_focal = 1e-3, most_focal = 1e9;
 
 Status wrong_lens(const std::string& what) {
     return {ErrorCode::invalid_file, what};
@@ -44,9 +45,9 @@ Status take_focal_lengths(const StatedLens& lens, PhotoCamera& camera) {
     camera.fx = fx ? *fx : *fy;
     camera.fy = fy ? *fy : *fx;
     for (const double focal : {camera.fx, camera.fy})
-        if (!(focal > 0 && focal <= most_focal))
+        if (!(focal >= least_focal && focal <= most_focal))
             return wrong_lens("its focal length is " + lens_number(focal) +
-                              " pixels, but must be above 0");
+                              " pixels, but must lie between 0.001 and 1e9");
     return {};
 }
 

@@ -287,6 +287,27 @@ TEST_F(Photographs, RefusesDamagedJson) {
         expect(whole.substr(0, i * whole.size() / 64), "not JSON");
 }
 
+TEST(PhotographNames, AreShortAndDiffer) {
+    const auto names = [](const std::vector<std::string>& stated) {
+        std::vector<PosedPhotograph> photographs;
+        for (const std::string& name : stated)
+            photographs.emplace_back().name = name;
+        return names_of(photographs);
+    };
+    using Names = std::vector<std::string>;
+    EXPECT_EQ(names({"./train/r_0", "./train/r_1"}), (Names{"r_0", "r_1"}));
+    EXPECT_EQ(names({"./train/r_0"}), (Names{"r_0"}));
+    EXPECT_EQ(names({"p/left/1.JPG", "p/right/1.JPG"}), (Names{"left/1", "right/1"}));
+    EXPECT_EQ(names({"train/a.png", "trainer/a.png"}), (Names{"train/a", "trainer/a"}));
+    EXPECT_EQ(names({"a.png", "a.jpg"}), (Names{"a.png", "a.jpg"}));
+    EXPECT_EQ(names({"frame.0001", "frame.0002"}), (Names{"frame.0001", "frame.0002"}));
+    EXPECT_EQ(names({"../p/a.png", "../p/b.png"}), (Names{"a", "b"}));
+    EXPECT_EQ(names({"../a.png", "b.png"}), (Names{"_/a", "b"}));
+    EXPECT_EQ(names({"/abs/a.png", "/abs/b.png"}), (Names{"a", "b"}));
+    EXPECT_EQ(names({"/", "a/"}), (Names{"_", "a"}));
+    EXPECT_EQ(names({"a.png", "./a.png"}), (Names{"0", "1"}));
+}
+
 TEST_F(Photographs, SaysWhatAFolderLacks) {
     expect_refused(folder_.string(), ErrorCode::bad_argument,
                    {folder_.string(), "neither a transforms.json nor a COLMAP model"});

@@ -1,22 +1,25 @@
 """Renders a Blender scene as input for `tessera encode` (tools/README.md). Runs Cycles without a window:
     blender -b x.blend -P blender_views.py -- planar OUT/ 9x9 SPACING FOCUS WIDTHxHEIGHT
     blender -b x.blend -P blender_views.py -- sphere OUT.exr UxVxSxT RADIUS
+    blender -b x.blend -P blender_views.py -- photos OUT/ TRAIN TEST WIDTHxHEIGHT DISTANCE
 planar renders a grid of cameras around the camera of the scene and writes one PNG per view to OUT/. SPACING is the
 distance between neighbouring cameras. Objects at distance FOCUS are at the same pixels in all views.
 sphere renders the light that leaves a sphere around the origin and writes it as an EXR mosaic.
+photos renders TRAIN and TEST photographs from all around the meshes, DISTANCE from their middle, and writes them with
+their cameras as NeRF-synthetic does (OUT/transforms_train.json, OUT/train/r_0.png, ...), and the meshes to OUT/mesh.obj.
 Lengths are in Blender's units. Blender's z axis is Tessera's y axis."""
-import bpy, math, os, sys, tempfile
+import bpy, json, math, os, sys, tempfile
 from mathutils import Matrix, Vector
 
 scene = bpy.context.scene
 scene.render.engine, scene.render.use_persistent_data = 'CYCLES', True
 scene.cycles.use_denoising = False  # denoised views would not be consistent, and Debian's Blender has no denoiser
 
-def shoot(path, width, height, kind):
+def shoot(path, width, height, kind, colours='RGB'):
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.resolution_percentage = 100
     scene.render.image_settings.file_format, scene.render.filepath = kind, path
-    scene.render.image_settings.color_mode = 'RGB'
+    scene.render.image_settings.color_mode = colours
     bpy.ops.render.render(write_still=True)
 
 def planar(out, grid, spacing, focus, size):
@@ -57,5 +60,30 @@ def sphere(out, size, radius):
     whole.pixels, whole.filepath_raw, whole.file_format = mosaic, out, 'OPEN_EXR'
     whole.save()
 
+def photos(out, train, test, size, distance):
+    (width, height), camera = map(int, size.split('x')), scene.camera.data
+    meshes = [thing for thing in scene.objects if thing.type == 'MESH']
+    corners = [thing.matrix_world @ Vector(corner) for thing in meshes for corner in thing.bound_box]
+    middle = Vector([(min(axis) + max(axis)) / 2 for axis in zip(*corners)])
+    camera.sensor_fit, camera.shift_x, camera.shift_y = 'HORIZONTAL', 0, 0
+    scene.render.film_transparent = True  # alpha is the coverage
+    scene.view_settings.view_transform = 'Standard'  # plain sRGB
+    for name, count, turn in (('train', int(train), 0), ('test', int(test), 1)):
+        frames = []
+        for i in range(count):  # a spiral of even steps over the whole sphere
+            z, angle = 1 - (2 * i + 1) / count, i * math.pi * (3 - math.sqrt(5)) + turn
+            away = Vector((math.cos(angle) * math.sqrt(1 - z * z), math.sin(angle) * math.sqrt(1 - z * z), z))
+            pose = Matrix.Translation(middle + away * float(distance)) @ away.to_track_quat('Z', 'Y').to_matrix().to_4x4()
+            scene.camera.matrix_world = pose
+            shoot(os.path.join(out, name, 'r_%d.png' % i), width, height, 'PNG', 'RGBA')
+            frames.append({'file_path': './%s/r_%d' % (name, i), 'transform_matrix': [list(row) for row in pose]})
+        with open(os.path.join(out, 'transforms_%s.json' % name), 'w') as file:
+            json.dump({'camera_angle_x': camera.angle_x, 'w': width, 'h': height, 'frames': frames}, file, indent=1)
+    bpy.ops.object.select_all(action='DESELECT')
+    for thing in meshes:
+        thing.select_set(True)
+    bpy.ops.wm.obj_export(filepath=os.path.join(out, 'mesh.obj'), export_selected_objects=True, forward_axis='Y',
+                          up_axis='Z')  # the frame of the cameras
+
 arguments = sys.argv[sys.argv.index('--') + 1:]
-{'planar': planar, 'sphere': sphere}[arguments[0]](*arguments[1:])
+{'planar': planar, 'sphere': sphere, 'photos': photos}[arguments[0]](*arguments[1:])

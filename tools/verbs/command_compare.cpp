@@ -15,6 +15,8 @@
 #include "tools/texture_io/mask_io.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
+#include "tools/verbs/compare_photographs.h"
+#include "tools/verbs/prefix_curve.h"
 
 #include <algorithm>
 #include <chrono>
@@ -36,6 +38,8 @@ struct CompareCommand {
     std::optional<std::uint64_t> seed;
     bool no_ssim = false, json = false;
     std::optional<unsigned> beginnings;
+    bool pictures = false; // a and b are folders of pictures
+    std::string background;
 };
 
 struct Inputs {
@@ -217,60 +221,6 @@ Result<CompareOptions> compare_options(const CompareCommand& a, const TextureDes
     return options;
 }
 
-struct PrefixPoint {
-    std::uint64_t bytes = 0;                    // received
-    double psnr = 0;                            // dB over all samples against the reference
-    std::uint64_t missing_tiles = 0, tiles = 0; // of level 0
-};
-
-// The first `size` bytes of another source.
-class Beginning : public ByteSource {
-public:
-    Beginning(ByteSource& whole, std::uint64_t size) : whole_(whole), size_(size) {}
-    std::uint64_t size() const override { return size_; }
-    std::string name() const override { return whole_.name(); }
-    Status read(std::uint64_t offset, std::span<std::byte> out) override {
-        TESSERA_TRY(check_range(*this, offset, out.size()));
-        return whole_.read(offset, out);
-    }
-
-private:
-    ByteSource& whole_;
-    std::uint64_t size_;
-};
-
-Result<std::vector<std::uint64_t>> lengths_of(ByteSource& file, unsigned count) {
-    TESSERA_TRY_ASSIGN(const auto reader, ContainerReader::open(file));
-    std::vector<std::uint64_t> lengths = {reader.sections().back().offset};
-    // Level i ends where the first tile of the finer one begins.
-    for (std::size_t i = reader.levels().size(); i-- > 1;) {
-        TESSERA_TRY_ASSIGN(const auto place, reader.locate(reader.levels()[i - 1].first_tile));
-        lengths.push_back(place.offset);
-    }
-    const std::uint64_t from = lengths.back(), to = reader.file_bytes();
-    const std::size_t steps = std::max<std::size_t>(count, lengths.size() + 1) - lengths.size();
-    for (std::size_t i = 1; i <= steps; ++i)
-        lengths.push_back(from + (to - from) * i / steps);
-    return lengths;
-}
-
-// Measures `count` (at least 2) beginnings of `file`: the index alone, then one more coarse level
-// each, then at even distances to the whole file. Reads `reference` once for each.
-Result<std::vector<PrefixPoint>> prefix_curve(TexelSource& reference, ByteSource& file,
-                                              unsigned count, const CompareOptions& options) {
-    TESSERA_TRY_ASSIGN(const auto lengths, lengths_of(file, count));
-    std::vector<PrefixPoint> points;
-    for (const std::uint64_t length : lengths) {
-        Beginning beginning(file, length);
-        TESSERA_TRY_ASSIGN(const auto decoder, Decoder::open(beginning, {true, false}));
-        const auto texels = decoded_source(decoder);
-        TESSERA_TRY_ASSIGN(const auto compared, compare_textures(reference, *texels, options));
-        points.push_back({length, compared.errors.psnr(), decoder.fill_report().missing_tiles,
-                          decoder.container().grid().tiles()});
-    }
-    return points;
-}
-
 // The reference of --beginnings. A raw one has the size of the measured file.
 Result<std::unique_ptr<TexelSource>> open_reference(const CompareCommand& a, ByteSource& measured) {
     TESSERA_TRY_ASSIGN(auto hints, hints_within_budget(a));
@@ -284,14 +234,20 @@ Result<std::unique_ptr<TexelSource>> open_reference(const CompareCommand& a, Byt
     return interruptible(std::move(opened.source));
 }
 
-void print_points(const std::vector<PrefixPoint>& points) {
-    std::printf("%12s %9s %9s %15s\n", "bytes", "share", "PSNR dB", "missing tiles");
-    for (const PrefixPoint& p : points)
-        std::printf("%12llu %7.2f %% %9s %7llu of %llu\n", static_cast<unsigned long long>(p.bytes),
-                    100.0 * static_cast<double>(p.bytes) / static_cast<double>(points.back().bytes),
-                    std::isfinite(p.psnr) ? format_number(p.psnr, 2).c_str() : "exact",
-                    static_cast<unsigned long long>(p.missing_tiles),
-                    static_cast<unsigned long long>(p.tiles));
+Status run_photographs(const CompareCommand& a) {
+    if (a.b.empty() || !a.scene.empty() || a.max_error || a.sample || a.beginnings ||
+        !a.mask.path.empty())
+        return {ErrorCode::bad_argument,
+                "photographs are compared with a folder of pictures, without --bake, --max-error, "
+                "--sample, --beginnings and --mask"};
+    return compare_photographs({.photographs = a.a,
+                                .drawn = a.b,
+                                .background = a.background,
+                                .min_psnr = a.min_psnr,
+                                .min_ssim = a.min_ssim,
+                                .threads = a.texture.threads,
+                                .quiet = a.texture.quiet,
+                                .json = a.json});
 }
 
 // Measures the second texture at beginnings of its file.
@@ -324,6 +280,10 @@ Status run_beginnings(const CompareCommand& a) {
 }
 
 Status run(const CompareCommand& a) {
+    if (a.pictures || are_photographs(a.a, a.b))
+        return run_photographs(a);
+    if (!a.background.empty())
+        return {ErrorCode::bad_argument, "--background can only be used with photographs"};
     if (a.beginnings)
         return run_beginnings(a);
     const auto start = std::chrono::steady_clock::now();
@@ -406,6 +366,12 @@ void declare(CLI::App& c, CompareCommand& a) {
     c.get_option("--mask")->excludes(ssim)->option_text("FILE")->group(parts_heading);
     c.get_option("--mask-size")->option_text("UxVxSxT")->group(parts_heading);
     declare_scene(c, a);
+    OptionGroup photographs(c, "Comparing photographs");
+    photographs.flag("--pictures", a.pictures,
+                     "a and b are folders of pictures, which are compared by name. Not needed "
+                     "where a is a transforms.json or a COLMAP model");
+    photographs.option("--background", "COLOUR", a.background,
+                       "Behind photographs with alpha: white, black (default) or R,G,B in 0..1");
     add_texture_options(c, a.texture);
     add_network_options(c);
 }
@@ -423,7 +389,8 @@ void add_compare_command(CLI::App& app, Invocation& chosen) {
         "  tessera compare scene.rgb scene.tess --json\n"
         "  tessera compare scene.rgb layered.tess --beginnings 12\n"
         "  tessera compare atlas.exr atlas.tess --mask charts.gray --mask-size 512x256x1x1\n"
-        "  tessera compare composed.tess --bake composed --sample 0.01",
+        "  tessera compare composed.tess --bake composed --sample 0.01\n"
+        "  tessera compare suzi/transforms_test.json drawn/ --min-psnr 30",
         declare, run);
 }
 

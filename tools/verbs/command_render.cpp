@@ -7,8 +7,10 @@
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
+#include "tools/support/warnings.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
+#include "tools/verbs/frame_log.h"
 #include "tools/view/render_stage.h"
 #include "tools/view/render_views.h"
 #include "tools/view/view_file.h"
@@ -24,19 +26,12 @@ struct RenderCommand {
     StageRequest stage;
     ViewRequest views;
     TextureArguments texture; // threads and quiet
-    std::string sheet;
+    std::string sheet, pixel_filter;
     bool json = false, write_all = false, log = false, frames = false;
 
     // Reading over a network is slow, so it shows what it does.
     bool logs() const { return !json && (log || (is_url(stage.file) && !texture.quiet)); }
 };
-
-// "v-2.png" -> "v-2-truth.png".
-std::string beside(const std::string& output, const std::string& what) {
-    std::filesystem::path path(output);
-    path.replace_filename(path.stem().string() + "-" + what + path.extension().string());
-    return path.string();
-}
 
 Status check_outputs(const RenderCommand& a, const std::vector<PlannedView>& plan) {
     for (const PlannedView& view : plan) {
@@ -89,58 +84,6 @@ struct DrawnView {
     std::string remark;
     std::vector<DrawnFrame> frames; // with --via feedback
     Traffic traffic;                // for the picture that is written
-};
-
-std::string to_text(const Traffic& traffic, bool remote) {
-    const char* unit = remote ? "request" : "read";
-    return std::to_string(traffic.requests) + " " + unit + (traffic.requests == 1 ? "" : "s") +
-           ", " + human_bytes(traffic.bytes);
-}
-
-// Stores, writes and prints each frame of a view, at once, because the next may take a while.
-class FrameLog {
-public:
-    FrameLog(const RenderCommand& a, SampleType type)
-        : log_(a.logs()), write_(a.frames), remote_(is_url(a.stage.file)), type_(type) {}
-
-    void begin(std::size_t view, const std::string& output) {
-        view_ = view;
-        output_ = output;
-        frames_.clear();
-    }
-    std::vector<DrawnFrame> end(const Traffic& traffic) {
-        if (log_ && frames_.empty())
-            say("view " + std::to_string(view_) + ": " + to_text(traffic, remote_));
-        return std::move(frames_);
-    }
-    Status add(unsigned number, const DrawnFrame& frame,
-               const std::function<Result<View>()>& picture) {
-        frames_.push_back(frame);
-        if (log_) {
-            if (!frame.trouble.empty())
-                say("view " + std::to_string(view_) + ": retries: " + frame.trouble);
-            say("view " + std::to_string(view_) + " frame " + std::to_string(number) + ": " +
-                std::to_string(frame.touched) + " tiles touched, " + std::to_string(frame.decoded) +
-                " decoded, " + std::to_string(frame.coarse) + " coarse, " +
-                to_text(frame.traffic, remote_));
-        }
-        if (!write_)
-            return {};
-        TESSERA_TRY_ASSIGN(const View view, picture());
-        return write_view(beside(output_, "frame-" + std::to_string(number)), view, type_);
-    }
-
-private:
-    static void say(const std::string& line) {
-        std::printf("%s\n", line.c_str());
-        std::fflush(stdout);
-    }
-
-    const bool log_, write_, remote_;
-    const SampleType type_;
-    std::size_t view_ = 0; // from 1
-    std::string output_;
-    std::vector<DrawnFrame> frames_; // of the view
 };
 
 // Draws a view with every renderer of the stage. Writes that of the subject, and on request the
@@ -254,9 +197,35 @@ void report_remarks(const std::vector<PlannedView>& plan, const std::vector<Draw
                          views[i].remark.c_str());
 }
 
+// The GPU draws pinholes with their axis in the picture's centre, and one box a pixel.
+Status check_device(const RenderCommand& a, const std::vector<PlannedView>& plan) {
+    if (a.stage.via == "cpu")
+        return {};
+    if (!a.pixel_filter.empty())
+        return {ErrorCode::unsupported, "--pixel-filter needs --via cpu"};
+    for (const PlannedView& view : plan)
+        if (view.camera.lens)
+            return {ErrorCode::unsupported,
+                    a.views.cameras + ": frame '" + view.name +
+                        "': its lens distorts or is not centred, which needs --via cpu"};
+    return {};
+}
+
+Result<std::vector<PlannedView>> plan_all(const RenderCommand& a, Warnings& warnings) {
+    if (a.views.cameras.empty())
+        return plan_views(a.views);
+    std::vector<corpus::PhotographNote> notes;
+    TESSERA_TRY_ASSIGN(auto plan, plan_photographs(a.views, notes));
+    for (const corpus::PhotographNote& note : notes)
+        TESSERA_TRY(warnings.add(note.kind, note.place, note.count));
+    return plan;
+}
+
 Status run(const RenderCommand& a) {
-    TESSERA_TRY_ASSIGN(auto plan, plan_views(a.views));
+    Warnings warnings(false);
+    TESSERA_TRY_ASSIGN(auto plan, plan_all(a, warnings));
     TESSERA_TRY(check_outputs(a, plan));
+    TESSERA_TRY(check_device(a, plan));
     if (a.frames && a.stage.via != "feedback")
         return {ErrorCode::bad_argument, "--frames belongs to --via feedback"};
     Stage stage;
@@ -264,17 +233,22 @@ Status run(const RenderCommand& a) {
     {
         Progress progress("tessera render", a.texture.quiet);
         Steps steps(progress.function(), 1);
-        const RenderOptions options{a.texture.threads, std::uint64_t{a.stage.budget_mib} << 20,
-                                    steps.function()};
+        RenderOptions options{a.texture.threads, std::uint64_t{a.stage.budget_mib} << 20,
+                              steps.function()};
+        if (!a.pixel_filter.empty()) {
+            TESSERA_TRY_ASSIGN(
+                options.filter,
+                corpus::PixelFilter::parse(a.pixel_filter).with_context("--pixel-filter"));
+        }
         TESSERA_TRY_ASSIGN(stage, set_up_stage(a.stage, options));
-        if (stage.planar) {
+        if (stage.planar && a.views.cameras.empty()) {
             TESSERA_TRY_ASSIGN(plan, plan_views(a.views, stage.planar->cameras, stage.desc.size));
         }
         steps.set_count(plan.size() * stage.renderers());
         if (stage.window)
             for (const PlannedView& view : plan)
                 TESSERA_TRY(check_side(*stage.window, view.camera).with_context(view.name));
-        FrameLog log(a, stage.desc.type);
+        FrameLog log(a.logs(), a.frames, is_url(a.stage.file), stage.desc.type);
         stage.subject().watch(
             [&log](unsigned number, const DrawnFrame& frame, const auto& picture) {
                 return log.add(number, frame, picture);
@@ -292,6 +266,7 @@ Status run(const RenderCommand& a) {
             views.push_back(std::move(drawn));
         }
     }
+    warnings.print("render");
     report_remarks(plan, views);
     if (!a.sheet.empty())
         TESSERA_TRY(write_sheet(a.sheet, views));
@@ -311,17 +286,28 @@ void declare_camera(CLI::App& c, RenderCommand& a) {
     auto* look =
         group.option("--look", "X,Y,Z", r.look,
                      "A point straight ahead. Default: 0,0,0; planar views: fill the picture");
-    group.option("--fov", "DEGREES", r.fov, "Vertical field of view. Default: 45");
-    group.option("--pixels", "WxH", r.size, "Size of the picture. Default: 640x480");
+    auto* fov = group.option("--fov", "DEGREES", r.fov, "Vertical field of view. Default: 45");
+    auto* pixels = group.option("--pixels", "WxH", r.size, "Size of the picture. Default: 640x480");
     auto* views = group
                       .option("--views", "paper or 1..5", r.views,
                               "The five standard views, as name-1.png and so on, or one of them")
                       ->excludes(eye)
                       ->excludes(look);
+    auto* orbit = group
+                      .option("--orbit", "N", r.orbit,
+                              "Numbered frames around the vertical line through --look",
+                              CLI::Range(1u, 100000u))
+                      ->excludes(views);
+    auto* cameras =
+        group.option("--cameras", "FILE or FOLDER", r.cameras,
+                     "The cameras of photographs: a transforms.json of NeRF or nerfstudio, or a "
+                     "COLMAP model. The pictures get the photographs' names and sizes");
+    for (CLI::Option* other : {eye, look, fov, pixels, views, orbit})
+        cameras->excludes(other);
     group
-        .option("--orbit", "N", r.orbit, "Numbered frames around the vertical line through --look",
-                CLI::Range(1u, 100000u))
-        ->excludes(views);
+        .option("--scale", "FACTOR", r.scale, "The pictures' size relative to the photographs'",
+                number_between(1e-3, 1000))
+        ->needs(cameras);
     group.option("--focus", "LENGTH", a.stage.focus,
                  "Distance where planar views are superimposed. Default: where they coincide");
 }
@@ -341,6 +327,10 @@ void declare_renderer(CLI::App& c, RenderCommand& a) {
     group.option("--rays", "N", r.rays,
                  "Per pixel, on the CPU. Default: 1 for a sphere, 4 for a mesh",
                  CLI::Range(1u, 65536u));
+    group.option(
+        "--pixel-filter", "NAME[:WIDTH]", a.pixel_filter,
+        "box (default, 1 pixel wide), gauss or blackman-harris (1.5), as Blender has them; "
+        "give more --rays");
     group.option("--tiles-per-frame", "N", r.tiles_per_frame,
                  "feedback: most tiles to decode between two frames, so that a view sharpens in "
                  "steps. Default: all",
@@ -380,7 +370,8 @@ void declare(CLI::App& c, RenderCommand& a) {
     c.add_option("file", r.file,
                  "A .tess with a texture on a sphere or a mesh, or planar views; or its URL");
     c.add_option("-o,--output", a.views.output,
-                 "The .png (8-bit; HDR as sRGB of x / (1 + x)) or .exr to write")
+                 "The .png (8-bit; HDR as sRGB of x / (1 + x)) or .exr to write; with --cameras, "
+                 "also a folder")
         ->required();
     c.add_option("--scene", r.scene,
                  "Instead of a file: a built-in scene, baked where it is visible")
@@ -409,6 +400,7 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
         "  tessera render scene.tess -o v.png --views paper --truth composed --sheet sheet.png\n"
         "  tessera render bunny.tess -o v.png --views paper --truth bunny.glb\n"
         "  tessera render scene.tess -o frame.png --orbit 120 --pixels 1280x720 --via feedback\n"
+        "  tessera render suzi.tess -o drawn/ --cameras suzi/transforms_test.json\n"
         "  tessera render http://host/scene.tess -o v.png --via feedback --frames\n"
         "  tessera render --scene composed --size 1024x512x128x128 -o v.png --views 1",
         declare, run);

@@ -22,18 +22,24 @@ bool is_within(const glm::dvec3& p) {
 } // namespace
 
 glm::dvec3 Camera::direction(double x, double y) const {
+    if (lens)
+        return lens->direction(x, y);
     return glm::normalize(forward + (2 * x / width - 1) * right + (1 - 2 * y / height) * up);
 }
 
 std::array<glm::dvec3, 2> Camera::steps(const glm::dvec3& d, const glm::dvec3& place,
                                         const glm::dvec3& normal) const {
-    const double distance = glm::dot(place - eye, forward) / glm::dot(forward, forward);
+    const glm::dvec3 axis = lens ? lens->axes[2] : forward;
+    const double distance = glm::dot(place - eye, axis) / glm::dot(axis, axis);
     const double slope = glm::dot(d, normal);
     const double away = std::copysign(std::max(std::abs(slope), 1e-6), slope);
     const auto step = [&](const glm::dvec3& turn) {
         return distance * (turn - d * (glm::dot(turn, normal) / away));
     };
-    return {step(right * (2.0 / width)), step(up * (-2.0 / height))};
+    if (!lens)
+        return {step(right * (2.0 / width)), step(up * (-2.0 / height))};
+    const auto turns = lens->turns(d);
+    return {step(turns[0]), step(turns[1])};
 }
 
 Result<Camera> make_camera(const CameraPose& pose, const Lens& lens) {
@@ -64,6 +70,22 @@ Result<Camera> make_camera(const CameraPose& pose, const Lens& lens) {
     const double half_height = std::tan(lens.fov * radians / 2);
     camera.right = right * (half_height * lens.width / lens.height);
     camera.up = glm::cross(right, camera.forward) * half_height;
+    return camera;
+}
+
+Camera make_camera(const corpus::PhotoCamera& photograph) {
+    constexpr double most_off_centre = 1e-6; // pixels
+    Camera camera;
+    camera.eye = photograph.eye;
+    camera.forward = photograph.axes[2];
+    camera.right = photograph.axes[0] * (photograph.width / (2 * photograph.fx));
+    camera.up = photograph.axes[1] * (photograph.height / (-2 * photograph.fy));
+    camera.width = photograph.width;
+    camera.height = photograph.height;
+    if (!photograph.distortion.is_none() ||
+        std::abs(photograph.cx - photograph.width / 2.0) > most_off_centre ||
+        std::abs(photograph.cy - photograph.height / 2.0) > most_off_centre)
+        camera.lens = photograph;
     return camera;
 }
 

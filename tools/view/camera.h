@@ -1,12 +1,14 @@
-// A pinhole camera and its pose. The world is right-handed: seen from +z, x points right and y up.
+// A camera and its pose. The world is right-handed: seen from +z, x points right and y up.
 // All functions are thread-safe.
 #pragma once
 
+#include "corpus/photographs/photo_camera.h"
 #include "format/status.h"
 
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,9 @@ struct Lens {
 struct Camera {
     glm::dvec3 eye, forward, right, up;
     std::uint32_t width = 0, height = 0;
+    // A lens that distorts or whose principal point is not the picture's centre. Rays follow it, and
+    // forward, right and up only describe about what the picture shows.
+    std::optional<corpus::PhotoCamera> lens{};
 
     // The unit direction of the ray through a point of the picture. The point is given in pixels
     // from the top left corner; the centre of pixel (i, j) is (i + 0.5, j + 0.5).
@@ -46,6 +51,9 @@ struct Camera {
 // Errors: bad_argument if eye and look are the same point, a coordinate exceeds 10^6, the field of
 // view is outside (0, 180) degrees, or a side of the picture is outside 1..max_picture_side.
 Result<Camera> make_camera(const CameraPose& pose, const Lens& lens);
+
+// The camera of a photograph that read_photographs() accepted.
+Camera make_camera(const corpus::PhotoCamera& photograph);
 
 // The paper's five views of its composed scene, in the paper's order.
 struct NamedPose {

@@ -8,7 +8,7 @@
 namespace tessera {
 
 // Positions become single-precision floats relative to the centre of the sphere. `outside` is the
-// colour for rays that miss the sphere.
+// colour for rays that miss the sphere. Precondition: !camera.lens.
 inline ViewCamera gpu_camera(const Camera& camera, const SphereWindow& window,
                              const glm::dvec3& outside) {
     const auto single = [](const glm::dvec3& v) -> std::array<float, 3> {

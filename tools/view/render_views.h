@@ -1,9 +1,11 @@
 // Plans the views that `tessera render` draws: their cameras and output files.
 #pragma once
 
+#include "corpus/photographs/photograph.h"
 #include "tools/support/camera_grid.h"
 #include "tools/view/camera.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,12 +18,18 @@ struct ViewRequest {
     std::string views;     // "paper" or the number of one of its views; empty: eye and look
     unsigned orbit = 0;    // number of frames; 0: no orbit
     std::string output;
+    // A description of photographs for corpus::read_photographs(), whose cameras draw the views;
+    // empty: one of the cameras above.
+    std::string cameras;
+    std::optional<double> scale; // of the photographs' sizes
 };
 
 struct PlannedView {
     std::string name;
     Camera camera;
-    std::string output; // "out.png" for a single view, otherwise numbered as in "out-3.png"
+    // "out.png" for a single view, otherwise numbered as in "out-3.png". Views of photographs have
+    // the photographs' names: "folder/r_0.png", or "out-r_0.png".
+    std::string output;
 };
 
 // Errors: bad_argument (text that cannot be parsed, or an impossible camera).
@@ -31,5 +39,10 @@ Result<std::vector<PlannedView>> plan_views(const ViewRequest& request);
 // The default of request.eye is the centre of the camera grid.
 Result<std::vector<PlannedView>> plan_views(const ViewRequest& request, const CameraGrid& cameras,
                                             const Extent4& size);
+
+// The views of request.cameras. Adds what a user should know about them to `notes`. Errors: those of
+// corpus::read_photographs(), and bad_argument (--scale, --cameras with another camera).
+Result<std::vector<PlannedView>> plan_photographs(const ViewRequest& request,
+                                                  std::vector<corpus::PhotographNote>& notes);
 
 } // namespace tessera

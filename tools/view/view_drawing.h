@@ -10,22 +10,26 @@
 
 namespace tessera {
 
-// The mean of ray(direction), which returns Result<glm::dvec3>, over `count` rays through pixel
-// (i, j). The first ray goes through the pixel's centre. The rays follow the additive recurrence of
+// The mean of ray(direction), which returns Result<glm::dvec3>, over options.rays rays through pixel
+// (i, j), distributed as options.filter weighs them. The first ray goes through the pixel's centre. The rays follow the additive recurrence of
 // the plastic number (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018),
 // which spreads any number of rays evenly.
 template <class Ray>
 Result<glm::dvec3> mean_of_rays(const Camera& camera, std::uint32_t i, std::uint32_t j,
-                                unsigned count, const Ray& ray) {
+                                const RenderOptions& options, const Ray& ray) {
     constexpr double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
     glm::dvec3 sum{0.0};
-    for (unsigned k = 0; k < count; ++k) {
+    const auto place = [&options](std::uint32_t pixel, double x) {
+        return options.filter.is_default() ? pixel + x - std::floor(x)
+                                           : pixel + options.filter.place(x - std::floor(x));
+    };
+    for (unsigned k = 0; k < options.rays; ++k) {
         const double x = 0.5 + k * step_x, y = 0.5 + k * step_y;
         TESSERA_TRY_ASSIGN(const glm::dvec3 colour,
-                           ray(camera.direction(i + x - std::floor(x), j + y - std::floor(y))));
+                           ray(camera.direction(place(i, x), place(j, y))));
         sum += colour;
     }
-    return sum / static_cast<double>(count);
+    return sum / static_cast<double>(options.rays);
 }
 
 // Draws a picture with ray(worker, direction), which returns Result<glm::dvec3>. Each thread uses
@@ -44,7 +48,7 @@ Result<View> draw_rays(const Camera& camera, std::vector<Worker>& workers,
             for (std::uint32_t i = 0; i < camera.width; ++i) {
                 TESSERA_TRY_ASSIGN(
                     const glm::dvec3 colour,
-                    mean_of_rays(camera, i, j, options.rays, [&](const glm::dvec3& direction) {
+                    mean_of_rays(camera, i, j, options, [&](const glm::dvec3& direction) {
                         return ray(worker, direction);
                     }));
                 for (int c = 0; c < 3; ++c)

@@ -4,6 +4,7 @@
 
 #include "codec/decoder.h"
 #include "corpus/model_surface/model_truth.h"
+#include "corpus/photographs/pixel_filter.h"
 #include "corpus/scene.h"
 #include "format/metadata.h"
 #include "tools/support/traffic.h"
@@ -79,6 +80,7 @@ struct RenderOptions {
     // Called before each view, if set, with the numbers of the blocks that nearly all of its pixels
     // need, in ascending order. A source that is slow to read can fetch them together.
     std::function<Status(std::span<const std::uint64_t> blocks)> foretell{};
+    corpus::PixelFilter filter{}; // where the rays of a pixel go
 };
 
 // Renders a texture on a sphere, sampled as in format/sampler.h. Ignores alpha. Reads blocks of up

@@ -1,0 +1,169 @@
+// From cameras to pictures and figures: render --cameras and compare with photographs.
+#include "tests/support/cli_fixture.h"
+#include "tests/support/photographs.h"
+#include "tools/picture/picture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace {
+
+using namespace tessera::test;
+
+// A set of two cameras around a textured square of 2x2 world units at z = 0.
+class PhotographsCli : public CliFixture {
+protected:
+    void SetUp() override {
+        CliFixture::SetUp();
+        spit(at("cams.json"), set(""));
+    }
+    // `head` goes before the frames. The first camera looks at the square from 4 away.
+    static std::string set(const std::string& head) {
+        return transforms_json(
+            R"("w":32,"h":24,"fl_x":30,)" + head,
+            {frame_json("./photos/a", matrix_at("0", "0", "4")),
+             frame_json("./photos/b", "[[0,0,1,5],[0,1,0,0],[-1,0,0,0],[0,0,0,1]]")});
+    }
+    // A file with a texture on a sphere of radius 1.
+    void write_sphere(const std::string& name) const {
+        succeed("bake lambert --size 16x8x4x4 --spp 1 --effort 0 -q -o " + name);
+    }
+    static int grey_at(const tessera::Picture& picture, unsigned x, unsigned y) {
+        return std::to_integer<int>(*picture.pixel(x, y));
+    }
+    tessera::Picture picture(const std::string& name) const {
+        auto read = tessera::read_png(at(name).string());
+        EXPECT_TRUE(read.ok()) << read.status().message();
+        return read.ok() ? std::move(*read) : tessera::blank_picture(1, 1, 0);
+    }
+};
+
+// Both cameras are 8 and 10 away from the paper's sphere of radius 3.5.
+const char* const sphere_frames[] = {"[[1,0,0,0],[0,1,0,0],[0,0,1,8],[0,0,0,1]]",
+                                     "[[0,0,1,10],[0,1,0,0],[-1,0,0,0],[0,0,0,1]]"};
+
+std::string sphere_set(const std::string& head) {
+    return transforms_json(head, {frame_json("./photos/a", sphere_frames[0]),
+                                  frame_json("./photos/b", sphere_frames[1])});
+}
+
+TEST_F(PhotographsCli, DrawsTheViewsOfPhotographs) {
+    write_sphere("s.tess");
+    // The same camera as --eye 0,0,8 with a field of view of 2 atan(12 / 30) degrees.
+    spit(at("c.json"), sphere_set(R"("w":32,"h":24,"fl_x":30,)"));
+    succeed("render s.tess -o drawn --cameras c.json -q");
+    EXPECT_EQ(names(), (std::vector<std::string>{"c.json", "cams.json", "drawn", "s.tess"}));
+    succeed("render s.tess -o eye.png --eye 0,0,8 --pixels 32x24 --fov 43.602818972703624 -q");
+    EXPECT_EQ(picture("drawn/a.png").rgb, picture("eye.png").rgb);
+    succeed("render s.tess -o eye.png --eye 10,0,0 --pixels 32x24 --fov 43.602818972703624 -q");
+    EXPECT_EQ(picture("drawn/b.png").rgb, picture("eye.png").rgb);
+    succeed("render s.tess -o half.png --cameras c.json --scale 0.5 -q");
+    EXPECT_EQ(picture("half-a.png").width, 16u);
+    EXPECT_EQ(picture("half-b.png").height, 12u);
+    // The sphere's outline moves with the principal point.
+    spit(at("c.json"), sphere_set(R"("w":32,"h":24,"fl_x":30,"cx":20,)"));
+    const Json views = json("render s.tess -o moved --cameras c.json --json")["views"];
+    EXPECT_EQ(views[1]["name"], "b");
+    EXPECT_EQ(views[1]["output"], "moved/b.png");
+    const tessera::Picture plain = picture("drawn/a.png"), moved = picture("moved/a.png");
+    for (unsigned x = 0; x < 28; ++x)
+        EXPECT_NEAR(grey_at(moved, x + 4, 12), grey_at(plain, x, 12), 1) << x;
+}
+
+TEST_F(PhotographsCli, RefusesCamerasThatCannotDraw) {
+    write_sphere("s.tess");
+    const std::string render = "render s.tess -o drawn --cameras c.json ";
+    spit(at("c.json"), sphere_set(R"("w":32,"h":24,"fl_x":30,"k1":0.1,)"));
+    fail(5, render + "--via load", {"c.json", "frame 'a'", "--via cpu"});
+    fail(5, render + "--via load --pixel-filter gauss", {"--pixel-filter"});
+    fail(1, render + "--pixel-filter tent", {"--pixel-filter", "'tent'"});
+    fail(1, render + "--eye 1,2,3", {"--eye"});
+    fail(1, render + "--scale 0", {"--scale"});
+    fail(1, render + "--scale 1000", {"--scale", "16384"});
+    fail(1, "render s.tess -o v.png --scale 2", {"--cameras"});
+    fail(1, "render s.tess -o drawn --cameras cams.json", {"frame", "outside"});
+    spit(at("c.json"), transforms_json(R"("fl_x":30,)", {frame_json("p/a.png", sphere_frames[0])}));
+    fail(3, render, {"c.json", "frame 'p/a.png'", "no size"});
+    fail(2, "render s.tess -o drawn --cameras none.json", {"none.json"});
+    EXPECT_FALSE(fs::exists(at("drawn")));
+}
+
+// A wide filter blurs the outline of the sphere, a box of one pixel draws today's picture.
+TEST_F(PhotographsCli, FiltersPixels) {
+    write_sphere("s.tess");
+    const std::string view = " --eye 0,0,8 --pixels 32x24 --rays 64 -q";
+    succeed("render s.tess -o plain.png" + view);
+    succeed("render s.tess -o box.png --pixel-filter box:1" + view);
+    succeed("render s.tess -o wide.png --pixel-filter blackman-harris:6" + view);
+    EXPECT_EQ(slurp(at("plain.png")), slurp(at("box.png")));
+    const auto largest_step = [&](const std::string& name) {
+        const tessera::Picture drawn = picture(name);
+        int largest = 0;
+        for (unsigned x = 0; x + 1 < drawn.width; ++x)
+            largest =
+                std::max(largest, std::abs(grey_at(drawn, x + 1, 12) - grey_at(drawn, x, 12)));
+        return largest;
+    };
+    EXPECT_LT(2 * largest_step("wide.png"), largest_step("plain.png"));
+}
+
+TEST_F(PhotographsCli, ComparesPhotographs) {
+    fs::create_directories(at("photos"));
+    fs::create_directories(at("drawn"));
+    const auto write = [&](const std::string& name, const std::string& rgb) {
+        spit(at(name), plain_ppm(32, 24, rgb));
+    };
+    write("photos/a.png", "ddd");
+    write("photos/b.png", "ddd");
+    write("drawn/a.png", "fff"); // 2 more everywhere
+    write("drawn/b.png", "dgd"); // 3 more in a third of the samples
+    const Json figures = json("compare cams.json drawn --json");
+    const double a = 10 * std::log10(255.0 * 255 / 4), b = 10 * std::log10(255.0 * 255 / 3);
+    ASSERT_EQ(figures["pictures"].size(), 2u);
+    EXPECT_EQ(figures["pictures"][0]["name"], "a");
+    EXPECT_NEAR(figures["pictures"][0]["psnr"].get<double>(), a, 1e-9);
+    EXPECT_NEAR(figures["pictures"][1]["psnr"].get<double>(), b, 1e-9);
+    EXPECT_NEAR(figures["psnr"].get<double>(), (a + b) / 2, 1e-9);
+    EXPECT_NEAR(figures["psnr_of_pixels"].get<double>(), 10 * std::log10(255.0 * 255 / 3.5), 1e-9);
+    EXPECT_EQ(figures["worst"]["name"], "a");
+    // Of plain pictures, SSIM is (2 m n + c) / (m^2 + n^2 + c) of their means.
+    const double c = 0.01 * 255 * 0.01 * 255;
+    EXPECT_NEAR(figures["pictures"][0]["ssim"].get<double>(),
+                (2 * 100.0 * 102 + c) / (100.0 * 100 + 102 * 102 + c), 1e-6);
+    EXPECT_EQ(json("compare photos drawn --pictures --json")["psnr"], figures["psnr"]);
+    succeed("compare photos drawn --pictures --min-psnr 42 --min-ssim 0.9 -q");
+    fail(7, "compare cams.json drawn --min-psnr 60 -q", {"drawn", "mean PSNR", "60"});
+    fail(7, "compare cams.json drawn --min-ssim 1 -q", {"mean SSIM"});
+    fail(1, "compare cams.json drawn --max-error 1", {"--max-error"});
+    fail(1, "compare photos drawn --pictures --background red", {"--background", "'red'"});
+    fail(1, "compare photos drawn --background white", {"--background"});
+    fs::remove(at("drawn/b.png"));
+    fail(7, "compare cams.json drawn", {"drawn/b.png", "does not exist"});
+    spit(at("drawn/b.png"), plain_ppm(24, 32, "abc"));
+    fail(7, "compare cams.json drawn", {"drawn/b.png", "24x32", "photos/b.png", "32x24"});
+    fs::remove(at("photos/b.png"));
+    const Outcome warned = run("compare cams.json drawn -q");
+    EXPECT_EQ(warned.code, 0) << warned.err;
+    EXPECT_NE(warned.err.find("warning: the picture is missing"), std::string::npos) << warned.err;
+    EXPECT_NE(warned.err.find("photos/b"), std::string::npos) << warned.err;
+}
+
+// What a mask leaves out does not count. Alpha shows the background.
+TEST_F(PhotographsCli, ComparesWhatCounts) {
+    fs::create_directories(at("photos"));
+    fs::create_directories(at("drawn"));
+    spit(at("c.json"),
+         transforms_json(R"("fl_x":2,)", {frame_json("photos/a.png", matrix_at("0", "0", "0"),
+                                                     R"(,"mask_path":"m.png")")}));
+    spit(at("photos/a.png"), "P6\n2 1\n255\nabcabc");
+    spit(at("drawn/a.png"), "P6\n2 1\n255\nabdzzz");
+    spit(at("m.png"), std::string("P5\n2 1\n255\n\xff\0", 13));
+    const Json masked = json("compare c.json drawn --json");
+    EXPECT_NEAR(masked["psnr"].get<double>(), 10 * std::log10(255.0 * 255 * 3), 1e-9);
+    EXPECT_TRUE(masked["ssim"].is_null());
+    EXPECT_EQ(masked["pictures"][0]["pixels"], 1);
+    fail(5, "compare c.json drawn --min-ssim 0.5", {"--min-ssim", "masked"});
+}
+
+} // namespace
