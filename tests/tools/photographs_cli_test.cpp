@@ -11,21 +11,17 @@ namespace {
 
 using namespace tessera::test;
 
-// A set of two cameras around a textured square of 2x2 world units at z = 0.
+// Two cameras that are 8 and 10 away from the middle of the paper's sphere of radius 3.5.
+const char* const sphere_frames[] = {"[[1,0,0,0],[0,1,0,0],[0,0,1,8],[0,0,0,1]]",
+                                     "[[0,0,1,10],[0,1,0,0],[-1,0,0,0],[0,0,0,1]]"};
+
+std::string sphere_set(const std::string& head) {
+    return transforms_json(head, {frame_json("./photos/a", sphere_frames[0]),
+                                  frame_json("./photos/b", sphere_frames[1])});
+}
+
 class PhotographsCli : public CliFixture {
 protected:
-    void SetUp() override {
-        CliFixture::SetUp();
-        spit(at("cams.json"), set(""));
-    }
-    // `head` goes before the frames. The first camera looks at the square from 4 away.
-    static std::string set(const std::string& head) {
-        return transforms_json(
-            R"("w":32,"h":24,"fl_x":30,)" + head,
-            {frame_json("./photos/a", matrix_at("0", "0", "4")),
-             frame_json("./photos/b", "[[0,0,1,5],[0,1,0,0],[-1,0,0,0],[0,0,0,1]]")});
-    }
-    // A file with a texture on a sphere of radius 1.
     void write_sphere(const std::string& name) const {
         succeed("bake lambert --size 16x8x4x4 --spp 1 --effort 0 -q -o " + name);
     }
@@ -39,21 +35,12 @@ protected:
     }
 };
 
-// Both cameras are 8 and 10 away from the paper's sphere of radius 3.5.
-const char* const sphere_frames[] = {"[[1,0,0,0],[0,1,0,0],[0,0,1,8],[0,0,0,1]]",
-                                     "[[0,0,1,10],[0,1,0,0],[-1,0,0,0],[0,0,0,1]]"};
-
-std::string sphere_set(const std::string& head) {
-    return transforms_json(head, {frame_json("./photos/a", sphere_frames[0]),
-                                  frame_json("./photos/b", sphere_frames[1])});
-}
-
 TEST_F(PhotographsCli, DrawsTheViewsOfPhotographs) {
     write_sphere("s.tess");
     // The same camera as --eye 0,0,8 with a field of view of 2 atan(12 / 30) degrees.
     spit(at("c.json"), sphere_set(R"("w":32,"h":24,"fl_x":30,)"));
     succeed("render s.tess -o drawn --cameras c.json -q");
-    EXPECT_EQ(names(), (std::vector<std::string>{"c.json", "cams.json", "drawn", "s.tess"}));
+    EXPECT_EQ(names(), (std::vector<std::string>{"c.json", "drawn", "s.tess"}));
     succeed("render s.tess -o eye.png --eye 0,0,8 --pixels 32x24 --fov 43.602818972703624 -q");
     EXPECT_EQ(picture("drawn/a.png").rgb, picture("eye.png").rgb);
     succeed("render s.tess -o eye.png --eye 10,0,0 --pixels 32x24 --fov 43.602818972703624 -q");
@@ -71,6 +58,27 @@ TEST_F(PhotographsCli, DrawsTheViewsOfPhotographs) {
         EXPECT_NEAR(grey_at(moved, x + 4, 12), grey_at(plain, x, 12), 1) << x;
 }
 
+// The layers and the path traced model follow the same lens: from above, off the centre, distorted.
+TEST_F(PhotographsCli, DrawsLayersAndTheirTruth) {
+    spit(at("roof.obj"), "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 1 0\nv 1 1 0\n"
+                         "f 1 2 3 4\nf 4 3 6 5\nf 2 1 5 6\n");
+    succeed("bake roof.obj --light 1,2,1 --layered --texels 4000 --lights 2 --spp 2 --effort 0 -q "
+            "-o a.tess");
+    const auto draw = [&](const std::string& head) {
+        spit(at("c.json"),
+             transforms_json(R"("w":32,"h":24,"fl_x":30,)" + head,
+                             {frame_json("top", "[[1,0,0,0],[0,0,1,12],[0,-1,0,0],[0,0,0,1]]")}));
+        return json("render a.tess -o d --cameras c.json --truth roof.obj --truth-spp 16 --json");
+    };
+    const Json plain = draw("");
+    const tessera::Picture centred = picture("d/top.png");
+    const Json bent = draw(R"("cx":20,"k1":0.3,)");
+    EXPECT_NE(picture("d/top.png").rgb, centred.rgb);
+    const double psnr = plain["views"][0]["compressed_truth"]["psnr"];
+    EXPECT_GT(psnr, 20);
+    EXPECT_NEAR(bent["views"][0]["compressed_truth"]["psnr"].get<double>(), psnr, 3);
+}
+
 TEST_F(PhotographsCli, RefusesCamerasThatCannotDraw) {
     write_sphere("s.tess");
     const std::string render = "render s.tess -o drawn --cameras c.json ";
@@ -82,7 +90,9 @@ TEST_F(PhotographsCli, RefusesCamerasThatCannotDraw) {
     fail(1, render + "--scale 0", {"--scale"});
     fail(1, render + "--scale 1000", {"--scale", "16384"});
     fail(1, "render s.tess -o v.png --scale 2", {"--cameras"});
-    fail(1, "render s.tess -o drawn --cameras cams.json", {"frame", "outside"});
+    spit(at("c.json"), transforms_json(R"("w":32,"h":24,"fl_x":30,)",
+                                       {frame_json("p/in.png", matrix_at("0", "0", "1"))}));
+    fail(1, render, {"in: ", "outside"});
     spit(at("c.json"), transforms_json(R"("fl_x":30,)", {frame_json("p/a.png", sphere_frames[0])}));
     fail(3, render, {"c.json", "frame 'p/a.png'", "no size"});
     fail(2, "render s.tess -o drawn --cameras none.json", {"none.json"});
@@ -105,10 +115,11 @@ TEST_F(PhotographsCli, FiltersPixels) {
                 std::max(largest, std::abs(grey_at(drawn, x + 1, 12) - grey_at(drawn, x, 12)));
         return largest;
     };
-    EXPECT_LT(2 * largest_step("wide.png"), largest_step("plain.png"));
+    EXPECT_LT(4 * largest_step("wide.png"), 3 * largest_step("plain.png"));
 }
 
 TEST_F(PhotographsCli, ComparesPhotographs) {
+    spit(at("c.json"), sphere_set(R"("w":32,"h":24,"fl_x":30,)"));
     fs::create_directories(at("photos"));
     fs::create_directories(at("drawn"));
     const auto write = [&](const std::string& name, const std::string& rgb) {
@@ -118,7 +129,7 @@ TEST_F(PhotographsCli, ComparesPhotographs) {
     write("photos/b.png", "ddd");
     write("drawn/a.png", "fff"); // 2 more everywhere
     write("drawn/b.png", "dgd"); // 3 more in a third of the samples
-    const Json figures = json("compare cams.json drawn --json");
+    const Json figures = json("compare c.json drawn --json");
     const double a = 10 * std::log10(255.0 * 255 / 4), b = 10 * std::log10(255.0 * 255 / 3);
     ASSERT_EQ(figures["pictures"].size(), 2u);
     EXPECT_EQ(figures["pictures"][0]["name"], "a");
@@ -130,20 +141,20 @@ TEST_F(PhotographsCli, ComparesPhotographs) {
     // Of plain pictures, SSIM is (2 m n + c) / (m^2 + n^2 + c) of their means.
     const double c = 0.01 * 255 * 0.01 * 255;
     EXPECT_NEAR(figures["pictures"][0]["ssim"].get<double>(),
-                (2 * 100.0 * 102 + c) / (100.0 * 100 + 102 * 102 + c), 1e-6);
+                (2 * 100.0 * 102 + c) / (100.0 * 100 + 102 * 102 + c), 1e-5);
     EXPECT_EQ(json("compare photos drawn --pictures --json")["psnr"], figures["psnr"]);
     succeed("compare photos drawn --pictures --min-psnr 42 --min-ssim 0.9 -q");
-    fail(7, "compare cams.json drawn --min-psnr 60 -q", {"drawn", "mean PSNR", "60"});
-    fail(7, "compare cams.json drawn --min-ssim 1 -q", {"mean SSIM"});
-    fail(1, "compare cams.json drawn --max-error 1", {"--max-error"});
+    fail(7, "compare c.json drawn --min-psnr 60 -q", {"drawn", "mean PSNR", "60"});
+    fail(7, "compare c.json drawn --min-ssim 1 -q", {"mean SSIM"});
+    fail(1, "compare c.json drawn --max-error 1", {"--max-error"});
     fail(1, "compare photos drawn --pictures --background red", {"--background", "'red'"});
     fail(1, "compare photos drawn --background white", {"--background"});
     fs::remove(at("drawn/b.png"));
-    fail(7, "compare cams.json drawn", {"drawn/b.png", "does not exist"});
+    fail(7, "compare c.json drawn", {"drawn/b.png", "does not exist"});
     spit(at("drawn/b.png"), plain_ppm(24, 32, "abc"));
-    fail(7, "compare cams.json drawn", {"drawn/b.png", "24x32", "photos/b.png", "32x24"});
+    fail(7, "compare c.json drawn", {"drawn/b.png", "24x32", "photos/b.png", "32x24"});
     fs::remove(at("photos/b.png"));
-    const Outcome warned = run("compare cams.json drawn -q");
+    const Outcome warned = run("compare c.json drawn -q");
     EXPECT_EQ(warned.code, 0) << warned.err;
     EXPECT_NE(warned.err.find("warning: the picture is missing"), std::string::npos) << warned.err;
     EXPECT_NE(warned.err.find("photos/b"), std::string::npos) << warned.err;
