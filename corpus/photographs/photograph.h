@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tessera::corpus {
@@ -64,6 +65,12 @@ struct PhotographSet {
 // shutters, too large pictures, more than most_photographs frames).
 Result<PhotographSet> read_photographs(const std::string& path,
                                        const PhotographOptions& options = {});
+
+// Whether `path` is a description for read_photographs(): a .json file, or a folder that has one.
+bool is_photograph_set(const std::string& path);
+
+// Whether files with this suffix, such as ".png", are pictures that a set may have.
+bool is_picture_suffix(std::string_view suffix);
 
 // Short names of photographs for outputs and tables, all different: paths below the folder that the
 // frames share, without suffixes: "r_0", or "left/0001". None of them leaves that folder.

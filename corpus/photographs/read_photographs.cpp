@@ -1,11 +1,14 @@
 #include "corpus/photographs/stated_frames.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace tessera::corpus {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* model_folders[] = {"", "/sparse/0", "/sparse"}; // below a project's folder
 
 // What is wrong with a folder that is no description, and which files the user may mean.
 Status no_description(const std::string& folder) {
@@ -29,13 +32,22 @@ Status no_description(const std::string& folder) {
 Result<StatedFrames> stated_frames_in(const std::string& folder) {
     if (const std::string path = folder + "/transforms.json"; is_file(path))
         return read_transforms_json(path);
-    for (const char* below : {"", "/sparse/0", "/sparse"})
+    for (const char* below : model_folders)
         if (is_colmap_model(folder + below))
             return read_colmap_model(folder + below);
     return no_description(folder);
 }
 
 } // namespace
+
+bool is_photograph_set(const std::string& path) {
+    std::error_code none;
+    if (!fs::is_directory(path, none))
+        return fs::path(path).extension() == ".json";
+    return is_file(path + "/transforms.json") ||
+           std::ranges::any_of(model_folders,
+                               [&](const char* below) { return is_colmap_model(path + below); });
+}
 
 Result<PhotographSet> read_photographs(const std::string& path, const PhotographOptions& options) {
     std::error_code none;

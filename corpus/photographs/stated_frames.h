@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <string_view>
 
 namespace tessera::corpus {
 
@@ -43,9 +42,6 @@ inline bool is_file(const std::filesystem::path& path) {
     std::error_code none;
     return std::filesystem::is_regular_file(path, none);
 }
-
-// Whether files with this suffix, ".png", are pictures that a set of photographs may have.
-bool is_picture_suffix(std::string_view suffix);
 
 // Names in damaged files can be very long.
 inline std::string frame_context(const std::string& path, const std::string& name) {

@@ -2,10 +2,12 @@
 #include "tests/support/cli_fixture.h"
 #include "tests/support/photographs.h"
 #include "tools/picture/picture.h"
+#include "tools/picture/picture_encoders.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <span>
 
 namespace {
 
@@ -175,6 +177,21 @@ TEST_F(PhotographsCli, ComparesWhatCounts) {
     EXPECT_TRUE(masked["ssim"].is_null());
     EXPECT_EQ(masked["pictures"][0]["pixels"], 1);
     fail(5, "compare c.json drawn --min-ssim 0.5", {"--min-ssim", "masked"});
+    // Half transparent grey, and a hole.
+    const unsigned char samples[] = {100, 100, 100, 102, 0, 0, 0, 0};
+    const auto file = tessera::encode_png({2, 1, 4}, std::as_bytes(std::span(samples)));
+    ASSERT_TRUE(file.ok()) << file.status().message();
+    spit(at("photos/a.png"),
+         std::string(reinterpret_cast<const char*>(file->data()), file->size()));
+    spit(at("drawn/a.png"), "P6\n2 1\n255\n" + std::string("\x28\x28\x28\0\0\0", 6));
+    const std::string compare = "compare photos drawn --pictures --json";
+    EXPECT_TRUE(json(compare)["psnr_of_pixels"].is_null()) << "0.4 * 100 on black";
+    spit(at("drawn/a.png"), "P6\n2 1\n255\n" + std::string("\xc1\xc1\xc1\xff\xff\xff", 6));
+    EXPECT_TRUE(json(compare + " --background white")["psnr_of_pixels"].is_null())
+        << "0.4 * 100 + 0.6 * 255";
+    fs::rename(at("photos"), at("elsewhere"));
+    fail(1, "compare c.json drawn", {"none of its 1 pictures exists", "--images"});
+    succeed("compare c.json drawn --images elsewhere -q");
 }
 
 } // namespace

@@ -39,7 +39,7 @@ struct CompareCommand {
     bool no_ssim = false, json = false;
     std::optional<unsigned> beginnings;
     bool pictures = false; // a and b are folders of pictures
-    std::string background;
+    std::string background, images;
 };
 
 struct Inputs {
@@ -241,6 +241,7 @@ Status run_photographs(const CompareCommand& a) {
                 "photographs are compared with a folder of pictures, without --bake, --max-error, "
                 "--sample, --beginnings and --mask"};
     return compare_photographs({.photographs = a.a,
+                                .images = a.images,
                                 .drawn = a.b,
                                 .background = a.background,
                                 .min_psnr = a.min_psnr,
@@ -282,8 +283,9 @@ Status run_beginnings(const CompareCommand& a) {
 Status run(const CompareCommand& a) {
     if (a.pictures || are_photographs(a.a, a.b))
         return run_photographs(a);
-    if (!a.background.empty())
-        return {ErrorCode::bad_argument, "--background can only be used with photographs"};
+    if (!a.background.empty() || !a.images.empty())
+        return {ErrorCode::bad_argument,
+                "--background and --images can only be used with photographs"};
     if (a.beginnings)
         return run_beginnings(a);
     const auto start = std::chrono::steady_clock::now();
@@ -370,6 +372,8 @@ void declare(CLI::App& c, CompareCommand& a) {
     photographs.flag("--pictures", a.pictures,
                      "a and b are folders of pictures, which are compared by name. Not needed "
                      "where a is a transforms.json or a COLMAP model");
+    photographs.option("--images", "FOLDER", a.images,
+                       "Where the photographs of the description a are, if not where it says");
     photographs.option("--background", "COLOUR", a.background,
                        "Behind photographs with alpha: white, black (default) or R,G,B in 0..1");
     add_texture_options(c, a.texture);

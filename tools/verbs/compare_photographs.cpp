@@ -1,7 +1,7 @@
 #include "tools/verbs/compare_photographs.h"
 
 #include "codec/metrics.h"
-#include "corpus/photographs/stated_frames.h"
+#include "corpus/photographs/photograph.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/json_text.h"
 #include "tools/support/parse.h"
@@ -19,17 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using corpus::PhotoPixels;
 using corpus::PosedPhotograph;
-
-// Whether `path` is a .json file, or a folder with a transforms.json or a COLMAP model.
-bool is_photograph_set(const std::string& path) {
-    std::error_code none;
-    if (!fs::is_directory(path, none))
-        return fs::path(path).extension() == ".json";
-    return corpus::is_file(fs::path(path) / "transforms.json") ||
-           std::ranges::any_of(std::array{"", "/sparse/0", "/sparse"}, [&](const char* below) {
-               return corpus::is_colmap_model(path + below);
-           });
-}
 
 struct ComparedPhotograph {
     std::string name;
@@ -93,19 +82,25 @@ Result<std::vector<PosedPhotograph>> photographs_in(const std::string& folder) {
     return photographs;
 }
 
-Result<std::vector<PosedPhotograph>> photographs_of(const std::string& path, Warnings& warnings) {
-    if (!is_photograph_set(path))
-        return photographs_in(path);
-    TESSERA_TRY_ASSIGN(auto set, corpus::read_photographs(path));
+Result<std::vector<PosedPhotograph>> photographs_of(const PhotographComparison& a,
+                                                    Warnings& warnings) {
+    if (!corpus::is_photograph_set(a.photographs))
+        return photographs_in(a.photographs);
+    TESSERA_TRY_ASSIGN(auto set, corpus::read_photographs(a.photographs, {.images = a.images}));
     for (const corpus::PhotographNote& note : set.notes)
         TESSERA_TRY(warnings.add(note.kind, note.place, note.count));
     return std::move(set.photographs);
 }
 
+bool is_regular(const std::string& path) {
+    std::error_code none;
+    return fs::is_regular_file(path, none);
+}
+
 // The drawn picture of the photograph with this short name.
 Result<PosedPhotograph> drawn_picture(const std::string& folder, const std::string& name) {
     for (const char* suffix : {".png", ".exr", ".jpg", ".webp", ".tif"})
-        if (const std::string path = folder + "/" + name + suffix; corpus::is_file(path))
+        if (const std::string path = folder + "/" + name + suffix; is_regular(path))
             return plain_photograph(path);
     return Status(ErrorCode::difference, folder + "/" + name + ".png: does not exist");
 }
@@ -251,13 +246,14 @@ std::vector<std::string> missed_means(const PhotographComparison& a,
 
 bool are_photographs(const std::string& a, const std::string& b) {
     std::error_code none;
-    return is_photograph_set(a) && (fs::is_directory(b, none) || !fs::is_directory(a, none));
+    return corpus::is_photograph_set(a) &&
+           (fs::is_directory(b, none) || !fs::is_directory(a, none));
 }
 
 Status compare_photographs(const PhotographComparison& a) {
     TESSERA_TRY_ASSIGN(const glm::dvec3 background, parse_background(a.background));
     Warnings warnings(false);
-    TESSERA_TRY_ASSIGN(const auto photographs, photographs_of(a.photographs, warnings));
+    TESSERA_TRY_ASSIGN(const auto photographs, photographs_of(a, warnings));
     const std::vector<std::string> names = corpus::names_of(photographs);
     std::vector<ComparedPhotograph> compared(names.size());
     {

@@ -11,8 +11,9 @@ namespace tessera {
 struct PhotographComparison {
     // A description of photographs (corpus::read_photographs()), or a folder with their pictures.
     std::string photographs;
-    std::string drawn;                        // the folder of the drawn pictures
-    std::string background;                   // "R,G,B" in 0..1, white or black; empty: black
+    std::string images;     // the folder of its pictures; empty: where the description says
+    std::string drawn;      // the folder of the drawn pictures
+    std::string background; // "R,G,B" in 0..1, white or black; empty: black
     std::optional<double> min_psnr, min_ssim; // of the means
     unsigned threads = 0;
     bool quiet = false, json = false;

@@ -34,8 +34,8 @@ struct Lens {
 struct Camera {
     glm::dvec3 eye, forward, right, up;
     std::uint32_t width = 0, height = 0;
-    // A lens that distorts or whose principal point is not the picture's centre. Rays follow it, and
-    // forward, right and up only describe about what the picture shows.
+    // A lens that distorts, or whose principal point is not the picture's centre. Rays follow it;
+    // forward, right and up then describe the same camera without distortion and centred.
     std::optional<corpus::PhotoCamera> lens{};
 
     // The unit direction of the ray through a point of the picture. The point is given in pixels
