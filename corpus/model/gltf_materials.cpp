@@ -1,5 +1,7 @@
 #include "corpus/model/gltf_materials.h"
 
+#include "corpus/model/gltf_coats.h"
+
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
@@ -7,25 +9,6 @@ namespace tessera::corpus {
 namespace {
 
 using Value = tinygltf::Value;
-
-double number_or(const Value& object, const char* key, double otherwise) {
-    return object.Has(key) && object.Get(key).IsNumber() ? object.Get(key).GetNumberAsDouble()
-                                                         : otherwise;
-}
-
-glm::dvec2 pair_or(const Value& object, const char* key, const glm::dvec2& otherwise) {
-    if (!object.Has(key) || !object.Get(key).IsArray() || object.Get(key).ArrayLen() != 2)
-        return otherwise;
-    const Value &x = object.Get(key).Get(0), &y = object.Get(key).Get(1);
-    return x.IsNumber() && y.IsNumber() ? glm::dvec2(x.GetNumberAsDouble(), y.GetNumberAsDouble())
-                                        : otherwise;
-}
-
-// The object of an extension, or null.
-const Value* extension_of(const tinygltf::ExtensionMap& extensions, const char* name) {
-    const auto it = extensions.find(name);
-    return it != extensions.end() && it->second.IsObject() ? &it->second : nullptr;
-}
 
 // The matrix and offset of KHR_texture_transform. Rotation is counter-clockwise as seen in the
 // picture, whose v grows downwards.
@@ -90,43 +73,10 @@ Result<TextureUse> texture_use(const tinygltf::Model& file, int texture, int uv,
     return use;
 }
 
-double number_at(const Value& list, std::size_t index, double otherwise) {
-    const Value& number = list.Get(static_cast<int>(index));
-    return number.IsNumber() ? number.GetNumberAsDouble() : otherwise;
-}
-
-// Three numbers from 0 to 10,000.
-glm::dvec3 colour_or(const Value& object, const char* key, const glm::dvec3& otherwise) {
-    if (!object.Has(key) || !object.Get(key).IsArray() || object.Get(key).ArrayLen() < 3)
-        return otherwise;
-    glm::dvec3 colour;
-    for (std::size_t c = 0; c < 3; ++c) {
-        const auto channel = static_cast<glm::length_t>(c);
-        colour[channel] = number_at(object.Get(key), c, otherwise[channel]);
-    }
-    return glm::clamp(colour, 0.0, 1e4);
-}
-
 double fourth_or(const Value& object, const char* key, double otherwise) {
     return object.Has(key) && object.Get(key).IsArray() && object.Get(key).ArrayLen() == 4
-               ? number_at(object.Get(key), 3, otherwise)
+               ? listed_number(object.Get(key), 3, otherwise)
                : otherwise;
-}
-
-// The texture that an extension names under `key`; none without it.
-Result<TextureUse> extension_texture(const tinygltf::Model& file, const Value& extension,
-                                     const char* key, const std::string& who,
-                                     std::vector<std::string>& notes) {
-    if (!extension.Has(key) || !extension.Get(key).IsObject())
-        return TextureUse();
-    const Value& info = extension.Get(key);
-    tinygltf::ExtensionMap extensions;
-    if (info.Has("extensions") && info.Get("extensions").IsObject())
-        for (const std::string& name : info.Get("extensions").Keys())
-            extensions[name] = info.Get("extensions").Get(name);
-    const double index = number_or(info, "index", -1.0), uv = number_or(info, "texCoord", 0.0);
-    const auto whole = [](double x) { return x >= 0.0 && x < 1e6 ? static_cast<int>(x) : -1; };
-    return texture_use(file, whole(index), whole(uv), extensions, who, notes);
 }
 
 Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t number,
@@ -160,6 +110,7 @@ Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t num
         const double index = std::clamp(number_or(*ior, "ior", 1.5), 0.0, 1e6);
         const double root = index == 0.0 ? 1.0 : (index - 1.0) / (index + 1.0);
         m.reflectance = index == 1.5 ? usual_reflectance : root * root;
+        m.ior = std::max(index, 1.0);
     }
     const auto extended_use = [&](const Value& extension, const char* key) {
         return extension_texture(file, extension, key, who, notes);
@@ -182,12 +133,18 @@ Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t num
         TESSERA_TRY_ASSIGN(m.metal_roughness_texture,
                            extended_use(*gloss, "specularGlossinessTexture"));
     }
+    TESSERA_TRY_ASSIGN(m.coats, read_coats(file, from, who, notes));
     return m;
 }
 
-std::array<TextureUse*, 6> textures_of(ModelMaterial& m) {
-    return {&m.base_texture,     &m.metal_roughness_texture, &m.normal_texture,
-            &m.emission_texture, &m.specular_texture,        &m.specular_colour_texture};
+std::vector<TextureUse*> textures_of(ModelMaterial& m) {
+    std::vector<TextureUse*> all{&m.base_texture,     &m.metal_roughness_texture,
+                                 &m.normal_texture,   &m.emission_texture,
+                                 &m.specular_texture, &m.specular_colour_texture};
+    if (m.coats)
+        for (const auto texture : coat_textures)
+            all.push_back(&((*m.coats).*texture));
+    return all;
 }
 
 // Decodes image `number` into the model; if that fails, takes it from all materials.
@@ -210,6 +167,21 @@ void read_image(const tinygltf::Image& image, int number, Model& model) {
 }
 
 } // namespace
+
+Result<TextureUse> extension_texture(const tinygltf::Model& file, const tinygltf::Value& extension,
+                                     const char* key, const std::string& who,
+                                     std::vector<std::string>& notes) {
+    if (!extension.Has(key) || !extension.Get(key).IsObject())
+        return TextureUse();
+    const tinygltf::Value& info = extension.Get(key);
+    tinygltf::ExtensionMap extensions;
+    if (info.Has("extensions") && info.Get("extensions").IsObject())
+        for (const std::string& name : info.Get("extensions").Keys())
+            extensions[name] = info.Get("extensions").Get(name);
+    const double index = number_or(info, "index", -1.0), uv = number_or(info, "texCoord", 0.0);
+    const auto whole = [](double x) { return x >= 0.0 && x < 1e6 ? static_cast<int>(x) : -1; };
+    return texture_use(file, whole(index), whole(uv), extensions, who, notes);
+}
 
 Status read_materials(const tinygltf::Model& file, Model& model) {
     model.materials.emplace_back(); // glTF's default

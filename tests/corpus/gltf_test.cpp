@@ -178,12 +178,12 @@ TEST_F(Gltf, WhatIsIgnoredIsNamedAndCounted) {
     GltfText text;
     text.primitive = R"(,"material":0,"targets":[{"POSITION":0}])";
     text.more =
-        R"(,"materials":[{"alphaMode":"BLEND","extensions":{"KHR_materials_clearcoat":{}}},)"
-        R"({"extensions":{"KHR_materials_clearcoat":{}}}])"
+        R"(,"materials":[{"alphaMode":"BLEND","extensions":{"KHR_materials_dispersion":{}}},)"
+        R"({"extensions":{"KHR_materials_dispersion":{}}}])"
         R"(,"animations":[{"channels":[],"samplers":[]}],"skins":[{"joints":[0]}])";
     const auto model = load(text);
     ASSERT_TRUE(model.ok()) << model.status().message();
-    for (const char* words : {"alphaMode BLEND (1 material)", "KHR_materials_clearcoat (2 uses)",
+    for (const char* words : {"alphaMode BLEND (1 material)", "KHR_materials_dispersion (2 uses)",
                               "1 animation", "1 skin", "1 primitive has morph targets"})
         EXPECT_TRUE(std::ranges::any_of(model->notes, [&](const std::string& note) {
             return note.find(words) != std::string::npos;
@@ -230,6 +230,61 @@ TEST_F(Gltf, IndexOfRefractionAndSpecular) {
     EXPECT_NEAR(glm::distance(metal.facing, glm::dvec3(0.5, 0.25, 1)), 0, 1e-6);
     EXPECT_EQ(metal.grazing, 1.0);
     EXPECT_EQ(metal.diffuse, glm::dvec3(0.0));
+}
+
+// Factors and textures of all extensions that add to a material. All textures are one texel of red
+// 1, green 0, blue 0.503 and alpha 0.2.
+TEST_F(Gltf, CoatsAreReadAndSampled) {
+    const std::string texture = R"({"index":0})";
+    const std::string more =
+        R"("KHR_materials_clearcoat":{"clearcoatFactor":0.5,"clearcoatTexture":)" + texture +
+        R"(,"clearcoatRoughnessFactor":0.6},"KHR_materials_sheen":{"sheenColorFactor":[0.2,0.4,0.8],)"
+        R"("sheenColorTexture":)" +
+        texture + R"(,"sheenRoughnessFactor":1,"sheenRoughnessTexture":)" + texture +
+        R"(},"KHR_materials_anisotropy":{"anisotropyStrength":0.5,"anisotropyRotation":1.5707963},)"
+        R"("KHR_materials_iridescence":{"iridescenceFactor":0.8,"iridescenceTexture":)" +
+        texture +
+        R"(,"iridescenceIor":1.7,"iridescenceThicknessMinimum":200,"iridescenceThicknessMaximum":500,)"
+        R"("iridescenceThicknessTexture":)" +
+        texture +
+        R"(},"KHR_materials_transmission":{"transmissionFactor":0.4,"transmissionTexture":)" +
+        texture +
+        R"(},"KHR_materials_volume":{"thicknessFactor":0.1,"attenuationColor":[0.5,1,0.25],)"
+        R"("attenuationDistance":0.2},"KHR_materials_ior":{"ior":1.7})";
+    GltfText text = textured(R"({"uri":"none.png"})");
+    text.more.replace(
+        text.more.find(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})"),
+        std::string(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})").size(),
+        R"({"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0.5,)"
+        R"("baseColorFactor":[0.5,0.25,1,1]},"extensions":{)" +
+            more + "}}");
+    file("none.png", one_texel_png);
+    auto model = load(text);
+    ASSERT_TRUE(model.ok()) << model.status().message();
+    EXPECT_TRUE(model->notes.empty()) << model->notes[0];
+    model->images[0] = {1, 1, {{255, 0, 188, 51}}};
+    for (ModelVertex& v : model->vertices)
+        v.tangent = {1, 0, 0, 1};
+    const LitPoint point = middle_of(*model);
+    ASSERT_TRUE(point.lobes.has_coats);
+    const Coats& coats = point.lobes.coats;
+    EXPECT_NEAR(coats.clear, 0.5, 1e-9);
+    EXPECT_NEAR(coats.clear_alpha, 0.36, 1e-9);
+    EXPECT_NEAR(glm::distance(coats.clear_normal, point.normal), 0, 1e-6);
+    EXPECT_NEAR(glm::distance(coats.sheen, glm::dvec3(0.2, 0, 0.8 * 0.503)), 0, 1e-3);
+    EXPECT_NEAR(coats.sheen_alpha, 0.04, 1e-9);
+    EXPECT_NEAR(glm::distance(coats.along, glm::dvec3(0, 1, 0)), 0, 1e-6); // turned from x
+    EXPECT_NEAR(coats.along_alpha, 0.25 + 0.75 * 0.25, 1e-9);
+    EXPECT_NEAR(coats.film, 0.8, 1e-9);
+    EXPECT_EQ(coats.film_ior, 1.7);
+    EXPECT_NEAR(coats.film_nanometres, 200, 1e-9); // green is 0
+    EXPECT_NEAR(glm::distance(coats.through, 0.4 * glm::dvec3(0.5, 0.25, 1)), 0, 1e-6);
+    EXPECT_TRUE(coats.is_volume);
+    EXPECT_EQ(coats.ior, 1.7);
+    // The distance grows with the model, whose radius becomes 3.5.
+    const double distance = 0.2 * 3.5 / std::sqrt(0.5);
+    EXPECT_NEAR(std::exp(-coats.absorption.x * distance), 0.5, 1e-5);
+    EXPECT_NEAR(std::exp(-coats.absorption.z * distance), 0.25, 1e-5);
 }
 
 TEST_F(Gltf, SpecularTexturesAreSampled) {
