@@ -116,12 +116,20 @@ struct ModelLamp {
     double inner_cosine = 1.0, outer_cosine = 0.0; // of a spot: full light, and none
 };
 
+// A perspective camera of the file.
+struct ModelCamera {
+    std::string name;
+    glm::dvec3 eye{0.0}, forward{0.0, 0.0, -1.0}, up{0.0, 1.0, 0.0}; // unit vectors
+    double fov = 45.0;                                               // vertical, degrees
+};
+
 struct Model {
     std::vector<ModelVertex> vertices;
     std::vector<ModelTriangle> triangles;
     std::vector<ModelMaterial> materials; // at least one
     std::vector<Image> images;            // without texels where no material uses it
     std::vector<ModelLamp> lamps;
+    std::vector<ModelCamera> cameras; // with different names
     std::vector<std::string> notes;   // what is missing or ignored, for people
 };
 

@@ -182,6 +182,8 @@ Result<Model> ModelBuilder::finish() && {
     for (ModelMaterial& material : model_.materials)
         if (material.coats)
             material.coats->attenuation_distance *= scale;
+    for (ModelCamera& camera : model_.cameras)
+        camera.eye = (camera.eye - middle) * scale;
     for (ModelLamp& lamp : model_.lamps) {
         lamp.position = (lamp.position - middle) * scale;
         lamp.range *= scale;

@@ -380,6 +380,29 @@ TEST_F(Gltf, LightsArePlacedAndScaled) {
     EXPECT_NEAR(from_axis(0.4), share * share, 1e-4);
 }
 
+// Cameras move with the model, whose radius becomes 3.5, and have different names.
+TEST_F(Gltf, CamerasAreNamedAndPlaced) {
+    GltfText text;
+    text.nodes = R"({"mesh":0,"children":[1,2,3,4]},)"
+                 R"({"camera":0,"name":"front","translation":[0.5,0.5,2]},)"
+                 R"({"camera":0,"name":"front","translation":[0.5,0.5,0],)"
+                 R"("rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[2,2,2]},)"
+                 R"({"camera":0},{"camera":1})";
+    text.more = R"(,"cameras":[{"type":"perspective","perspective":{"yfov":0.5,"znear":0.1}},)"
+                R"({"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"zfar":9,"znear":0}}])";
+    const Model model = load_with_note(text, "skipped 1 camera without a perspective");
+    ASSERT_EQ(model.cameras.size(), 3u);
+    const ModelCamera& front = model.cameras[0];
+    EXPECT_EQ(front.name, "front");
+    EXPECT_NEAR(glm::distance(front.eye, {0, 0, 2 * 3.5 / std::sqrt(0.5)}), 0, 1e-5);
+    EXPECT_NEAR(glm::distance(front.forward, {0, 0, -1}), 0, 1e-9);
+    EXPECT_NEAR(glm::distance(front.up, {0, 1, 0}), 0, 1e-9);
+    EXPECT_NEAR(front.fov, 28.6478897565, 1e-9);
+    EXPECT_EQ(model.cameras[1].name, "front (2)");
+    EXPECT_NEAR(glm::distance(model.cameras[1].up, {-1, 0, 0}), 0, 1e-9); // turned about z
+    EXPECT_EQ(model.cameras[2].name, "camera 2");
+}
+
 // A view that meshoptimizer compressed, beside a buffer that only stands in for its bytes.
 TEST_F(Gltf, ViewsThatMeshoptimizerCompressed) {
     const std::vector<float> positions{0, 0, 0, 2, 0, 0, 0, 1, 0, 2, 1, 0};
