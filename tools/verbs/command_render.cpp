@@ -257,6 +257,8 @@ void report_remarks(const std::vector<PlannedView>& plan, const std::vector<Draw
 Status run(const RenderCommand& a) {
     TESSERA_TRY_ASSIGN(auto plan, plan_views(a.views));
     TESSERA_TRY(check_outputs(a, plan));
+    if (!a.views.camera.empty() && a.stage.file.empty())
+        return {ErrorCode::bad_argument, "--camera needs a .tess file that was baked from a model"};
     if (a.frames && a.stage.via != "feedback")
         return {ErrorCode::bad_argument, "--frames belongs to --via feedback"};
     Stage stage;
@@ -267,7 +269,11 @@ Status run(const RenderCommand& a) {
         const RenderOptions options{a.texture.threads, std::uint64_t{a.stage.budget_mib} << 20,
                                     steps.function()};
         TESSERA_TRY_ASSIGN(stage, set_up_stage(a.stage, options));
-        if (stage.planar) {
+        if (!a.views.camera.empty()) {
+            TESSERA_TRY_ASSIGN(plan, plan_camera(a.views, stage.decoder->container().metadata())
+                                         .with_context(a.stage.file));
+        }
+        if (stage.planar && a.views.camera.empty()) {
             TESSERA_TRY_ASSIGN(plan, plan_views(a.views, stage.planar->cameras, stage.desc.size));
         }
         steps.set_count(plan.size() * stage.renderers());
@@ -311,17 +317,26 @@ void declare_camera(CLI::App& c, RenderCommand& a) {
     auto* look =
         group.option("--look", "X,Y,Z", r.look,
                      "A point straight ahead. Default: 0,0,0; planar views: fill the picture");
-    group.option("--fov", "DEGREES", r.fov, "Vertical field of view. Default: 45");
+    auto* fov = group.option("--fov", "DEGREES", r.fov, "Vertical field of view. Default: 45");
     group.option("--pixels", "WxH", r.size, "Size of the picture. Default: 640x480");
     auto* views = group
                       .option("--views", "paper or 1..5", r.views,
                               "The five standard views, as name-1.png and so on, or one of them")
                       ->excludes(eye)
                       ->excludes(look);
+    auto* orbit = group
+                      .option("--orbit", "N", r.orbit,
+                              "Numbered frames around the vertical line through --look",
+                              CLI::Range(1u, 100000u))
+                      ->excludes(views);
     group
-        .option("--orbit", "N", r.orbit, "Numbered frames around the vertical line through --look",
-                CLI::Range(1u, 100000u))
-        ->excludes(views);
+        .option("--camera", "NAME", r.camera,
+                "A camera of the glTF file that was baked; info lists them")
+        ->excludes(eye)
+        ->excludes(look)
+        ->excludes(fov)
+        ->excludes(views)
+        ->excludes(orbit);
     group.option("--focus", "LENGTH", a.stage.focus,
                  "Distance where planar views are superimposed. Default: where they coincide");
 }
@@ -408,6 +423,7 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
         "  tessera render scene.tess -o view.png --eye 8,3,-6\n"
         "  tessera render scene.tess -o v.png --views paper --truth composed --sheet sheet.png\n"
         "  tessera render bunny.tess -o v.png --views paper --truth bunny.glb\n"
+        "  tessera render room.tess -o v.png --camera Camera.001\n"
         "  tessera render scene.tess -o frame.png --orbit 120 --pixels 1280x720 --via feedback\n"
         "  tessera render http://host/scene.tess -o v.png --via feedback --frames\n"
         "  tessera render --scene composed --size 1024x512x128x128 -o v.png --views 1",
