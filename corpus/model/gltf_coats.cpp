@@ -97,8 +97,8 @@ private:
             coats_.is_volume = number_or(*e, "thicknessFactor", 0.0) > 0.0;
             coats_.attenuation =
                 glm::min(colour_or(*e, "attenuationColor", glm::dvec3(1.0)), glm::dvec3(1.0));
-            coats_.attenuation_distance =
-                std::clamp(number_or(*e, "attenuationDistance", 0.0), 0.0, 1e12);
+            if (const double distance = number_or(*e, "attenuationDistance", 0.0); distance > 0.0)
+                coats_.attenuation_distance = std::clamp(distance, 1e-9, 1e12);
         }
         return {};
     }

@@ -212,6 +212,7 @@ bool is_supported(const std::string& extension) {
                                          "KHR_materials_unlit",
                                          "KHR_materials_volume",
                                          "KHR_mesh_quantization",
+                                         "KHR_texture_basisu",
                                          "KHR_texture_transform"};
     return std::ranges::find(supported, extension) != std::end(supported);
 }

@@ -1,6 +1,7 @@
 #include "corpus/model/gltf_materials.h"
 
 #include "corpus/model/gltf_coats.h"
+#include "corpus/model/gltf_images.h"
 
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
@@ -9,6 +10,8 @@ namespace tessera::corpus {
 namespace {
 
 using Value = tinygltf::Value;
+
+constexpr const char* basisu_name = "KHR_texture_basisu";
 
 // The matrix and offset of KHR_texture_transform. Rotation is counter-clockwise as seen in the
 // picture, whose v grows downwards.
@@ -29,13 +32,19 @@ bool is_bounded(const TextureUse& use) {
     return std::abs(use.offset.x) <= most && std::abs(use.offset.y) <= most;
 }
 
-// The image of a texture: WebP, which Tessera reads, before the fallback; -1: none.
+// The image of a texture: WebP, which Tessera reads, before the fallback, and that before KTX2, beside
+// which may lie another picture; -1: none.
 int image_of(const tinygltf::Model& file, const tinygltf::Texture& texture) {
-    if (const Value* webp = extension_of(texture.extensions, "EXT_texture_webp"))
-        if (const double source = number_or(*webp, "source", -1.0);
-            source >= 0 && source < static_cast<double>(file.images.size()))
-            return static_cast<int>(source);
-    return has(file.images, texture.source) ? texture.source : -1;
+    const auto extended = [&](const char* name) {
+        const Value* extension = extension_of(texture.extensions, name);
+        const double source = extension ? number_or(*extension, "source", -1.0) : -1.0;
+        return source >= 0 && source < static_cast<double>(file.images.size())
+                   ? static_cast<int>(source)
+                   : -1;
+    };
+    if (const int webp = extended("EXT_texture_webp"); webp >= 0)
+        return webp;
+    return has(file.images, texture.source) ? texture.source : extended(basisu_name);
 }
 
 Result<TextureUse> texture_use(const tinygltf::Model& file, int texture, int uv,
@@ -147,25 +156,6 @@ std::vector<TextureUse*> textures_of(ModelMaterial& m) {
     return all;
 }
 
-// Decodes image `number` into the model; if that fails, takes it from all materials.
-void read_image(const tinygltf::Image& image, int number, Model& model) {
-    const std::string who =
-        "image " + std::to_string(number) +
-        (image.uri.empty() ? std::string() : " (" + image.uri.substr(0, longest_shown) + ")");
-    Result<Image> decoded = image.image.empty()
-                                ? Result<Image>(Status(ErrorCode::io, who + " is missing"))
-                                : decode_image(image.image).with_context(who);
-    if (decoded.ok()) {
-        model.images[static_cast<std::size_t>(number)] = std::move(*decoded);
-        return;
-    }
-    model.notes.push_back(decoded.status().message() + "; materials are read without it");
-    for (ModelMaterial& material : model.materials)
-        for (TextureUse* use : textures_of(material))
-            if (use->image == number)
-                use->image = -1;
-}
-
 } // namespace
 
 Result<TextureUse> extension_texture(const tinygltf::Model& file, const tinygltf::Value& extension,
@@ -183,7 +173,7 @@ Result<TextureUse> extension_texture(const tinygltf::Model& file, const tinygltf
     return texture_use(file, whole(index), whole(uv), extensions, who, notes);
 }
 
-Status read_materials(const tinygltf::Model& file, Model& model) {
+Status read_materials(const tinygltf::Model& file, const std::string& folder, Model& model) {
     model.materials.emplace_back(); // glTF's default
     std::size_t blending = 0;
     for (std::size_t i = 0; i < file.materials.size(); ++i) {
@@ -200,10 +190,32 @@ Status read_materials(const tinygltf::Model& file, Model& model) {
         for (const TextureUse* use : textures_of(material))
             if (use->image >= 0)
                 is_used[static_cast<std::size_t>(use->image)] = true;
+    const auto fallbacks = std::ranges::count_if(file.textures, [&](const tinygltf::Texture& t) {
+        return has(file.images, t.source) && t.extensions.contains(basisu_name);
+    });
+    if (fallbacks > 0)
+        model.notes.push_back("KTX2 is not read: " + std::to_string(fallbacks) +
+                              (fallbacks == 1 ? " texture has its" : " textures have their") +
+                              " fallback picture");
     model.images.resize(file.images.size());
-    for (std::size_t i = 0; i < file.images.size(); ++i)
-        if (is_used[i])
-            read_image(file.images[i], static_cast<int>(i), model);
+    for (std::size_t i = 0; i < file.images.size(); ++i) {
+        if (!is_used[i]) {
+            if (file.images[i].image.empty())
+                model.notes.push_back(image_name(file.images[i], i) +
+                                      " is missing, and nothing uses it");
+            continue;
+        }
+        Result<Image> image = read_image(file.images[i], i, folder, model.notes);
+        if (image.ok()) {
+            model.images[i] = std::move(*image);
+            continue;
+        }
+        model.notes.push_back(image.status().message() + "; materials are read without it");
+        for (ModelMaterial& material : model.materials)
+            for (TextureUse* use : textures_of(material))
+                if (use->image == static_cast<int>(i))
+                    use->image = -1;
+    }
     return {};
 }
 

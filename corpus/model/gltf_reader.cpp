@@ -333,8 +333,9 @@ void note_ignored(const tinygltf::Model& file, const SafeGltf& safe,
     note(morphed, "primitive has", "primitives have", "morph targets, which are not applied");
 }
 
-Status convert(const tinygltf::Model& file, const SafeGltf& safe, ModelBuilder& builder) {
-    TESSERA_TRY(read_materials(file, builder.model()));
+Status convert(const tinygltf::Model& file, const SafeGltf& safe, const std::string& folder,
+               ModelBuilder& builder) {
+    TESSERA_TRY(read_materials(file, folder, builder.model()));
     note_ignored(file, safe, builder.model().notes);
     return GltfScene(file, safe, builder).add();
 }
@@ -348,7 +349,7 @@ Status read_gltf(const std::string& path, ModelBuilder& builder) {
     tinygltf::Model file;
     TESSERA_TRY(load(path, safe, file));
     TESSERA_TRY(decompress(safe, file));
-    return convert(file, safe, builder);
+    return convert(file, safe, folder_of(path), builder);
 }
 
 } // namespace tessera::corpus

@@ -143,20 +143,40 @@ TEST_F(Gltf, ImagesThatCannotBeReadAreNoted) {
     load_with_note(textured(R"({"uri":"bad.png"})"), "image 0 (bad.png)");
     load_with_note(textured("", R"("extensions":{})"), "texture 0 has no image");
     // Nothing uses the second image.
-    const auto unused = load(textured(R"({"uri":"a.png"},{"uri":"nowhere.png"})"));
-    ASSERT_TRUE(unused.ok()) << unused.status().message();
-    EXPECT_TRUE(unused->notes.empty());
-    EXPECT_EQ(unused->images[0].width, 1u);
+    const Model unused = load_with_note(textured(R"({"uri":"a.png"},{"uri":"nowhere.png"})"),
+                                        "image 1 (nowhere.png) is missing, and nothing uses it");
+    EXPECT_EQ(unused.images[0].width, 1u);
 }
 
 TEST_F(Gltf, WebPComesBeforeItsFallback) {
     file("a.png", one_texel_png);
-    const auto model =
-        load(textured(R"({"uri":"nowhere.png"},{"uri":"a.png"})",
-                      R"("source":0,"extensions":{"EXT_texture_webp":{"source":1}})"));
-    ASSERT_TRUE(model.ok()) << model.status().message();
-    EXPECT_TRUE(model->notes.empty());
-    EXPECT_EQ(material_of(*model).base_texture.image, 1);
+    const Model model =
+        load_with_note(textured(R"({"uri":"nowhere.png"},{"uri":"a.png"})",
+                                R"("source":0,"extensions":{"EXT_texture_webp":{"source":1}})"),
+                       "image 0 (nowhere.png) is missing, and nothing uses it");
+    EXPECT_EQ(material_of(model).base_texture.image, 1);
+}
+
+// KTX2 is not read: the fallback of its texture, or a picture of its name beside it.
+TEST_F(Gltf, Ktx2HasPicturesBesideIt) {
+    const std::string ktx2 = "\xabKTX 20\xbb\r\n\x1a\n and what follows";
+    file("a.png", one_texel_png);
+    file("b c.ktx2", ktx2);
+    const std::string images = R"({"uri":"b%20c.ktx2"},{"uri":"a.png"})",
+                      extension = R"("extensions":{"KHR_texture_basisu":{"source":0}})";
+    const Model fallback = load_with_note(textured(images, R"("source":1,)" + extension),
+                                          "KTX2 is not read: 1 texture has its fallback picture");
+    EXPECT_EQ(material_of(fallback).base_texture.image, 1);
+    GltfText required = textured(images, extension);
+    required.more += R"(,"extensionsRequired":["KHR_texture_basisu"])";
+    EXPECT_EQ(material_of(load_with_note(required, "image 0 (b%20c.ktx2) is KTX2, which is not "
+                                                   "read; put a PNG of the same name beside it"))
+                  .base_texture.image,
+              -1);
+    file("b c.png", one_texel_png);
+    const Model beside = load_with_note(required, "b c.png beside it is taken");
+    EXPECT_EQ(material_of(beside).base_texture.image, 0);
+    EXPECT_EQ(beside.images[0].width, 1u);
 }
 
 TEST_F(Gltf, NamesAndKindsOfUris) {
