@@ -20,10 +20,10 @@
 namespace tessera::corpus {
 
 // `pnm` is PGM or PPM, `pfm` their sibling of floats.
-enum class PictureKind { none, png, jpeg, exr, hdr, webp, bmp, pnm, pfm, tiff };
+enum class PictureKind { none, png, jpeg, exr, hdr, webp, bmp, pnm, pfm, tiff, tga };
 
-// Detected from the first bytes. `none` for other files, also for TGA, which has no signature, and
-// for files that cannot be read.
+// Detected from the first bytes, and TGA, which has no signature there, from its footer or its name.
+// `none` for other files and for files that cannot be read.
 PictureKind picture_kind_of(ByteSource& file);
 
 struct PictureShape {

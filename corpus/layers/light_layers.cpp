@@ -29,12 +29,12 @@ glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& 
         glm::dvec3 view = octahedral_direction(AngularMap::octahedral_mirrored, at.frame, s, t);
         view -= 2.0 * std::min(glm::dot(view, n), 0.0) * n;
         const double nv = std::max(glm::dot(view, n), 0.02);
-        const glm::dvec3 l = sample_ggx(at.point.lobes.alpha, n, view, random.next2());
+        const double a = without_coats(at.point.lobes).alpha;
+        const glm::dvec3 l = sample_ggx(a, n, view, random.next2());
         const double nl = glm::dot(n, l);
         if (nl <= 0.0 || glm::dot(at.point.face, l) <= 0.0)
             continue;
         // The rest of the lobe after its density of sample_ggx(): G2 / G1.
-        const double a = at.point.lobes.alpha;
         const double weight = 2.0 * nl * (nv + smith_root(a, nv)) * smith_visibility(a, nl, nv);
         sum += weight * tracer.from(at.point, l, options.distant, random);
         weights += weight;

@@ -1,5 +1,7 @@
 #include "corpus/layers/material_layers.h"
 
+#include "corpus/trace/path_random.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +14,8 @@ constexpr std::array<glm::dvec2, 4> material_places{
     {{-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
 // A display clips light above 1. Seen aslant, diffuse light is dimmer than its layer says.
 constexpr double most_diffuse = 1.4, most_emission = 1.0;
+constexpr unsigned transmission_paths = 16; // at each of the places of a texel
+constexpr std::uint64_t transmission_sequence = 0x74726E73;
 
 struct Material {
     glm::dvec3 diffuse{0.0}, emission{0.0}, specular{0.0};
@@ -19,23 +23,39 @@ struct Material {
     glm::dvec2 normal{0.0}; // in the frame of the mesh
 };
 
+// The light from behind a surface, seen from all sides: layers have none that depends on the view.
+glm::dvec3 mean_transmitted(const Tracer& tracer, const LitPoint& point, std::uint64_t sequence) {
+    glm::dvec3 sum(0.0);
+    for (unsigned i = 0; i < transmission_paths; ++i) {
+        PathRandom random(sequence, i);
+        const glm::dvec3 view = sample_cosine(point.normal, random.next2());
+        sum += tracer.transmitted(Tracer::facing(point, view), view, random);
+    }
+    return sum / static_cast<double>(transmission_paths);
+}
+
 // The mean over the texel; nothing if no light is known there.
 std::optional<Material> material_of(const ModelPlaces& fine, const PlaceLight& light,
-                                    std::uint32_t finer, std::uint32_t u, std::uint32_t v) {
+                                    const Tracer& tracer, std::uint32_t finer, std::uint32_t u,
+                                    std::uint32_t v) {
     Material sum;
     double lit = 0;
     constexpr double share = 1.0 / material_places.size();
     for (const glm::dvec2& offset : material_places) {
         const ModelSurfacePlace at = fine.place(u, v, offset);
+        const Lobes lobes = without_coats(at.point.lobes);
         const glm::dvec2 texel =
             (glm::dvec2(u + 0.5, v + 0.5) + offset) / static_cast<double>(finer);
         if (const auto arriving = light.diffuse(texel, at.point.normal)) {
-            sum.diffuse += at.point.lobes.diffuse * *arriving;
+            sum.diffuse += lobes.diffuse * *arriving;
             ++lit;
         }
         sum.emission += share * at.point.emission;
-        sum.specular += share * at.point.lobes.facing;
-        sum.roughness += share * std::sqrt(at.point.lobes.alpha);
+        if (at.point.lobes.has_coats)
+            sum.emission +=
+                share * mean_transmitted(tracer, at.point, mix_bits(transmission_sequence));
+        sum.specular += share * lobes.facing;
+        sum.roughness += share * std::sqrt(lobes.alpha);
         sum.normal += share * glm::dvec2(glm::dot(at.point.normal, at.frame.ex),
                                          glm::dot(at.point.normal, at.frame.ey));
     }
@@ -65,8 +85,9 @@ bool is_masked(const Model& model) {
 
 bool emits(const Model& model) {
     for (const ModelTriangle& t : model.triangles) {
-        const glm::dvec3& e = model.materials[t.material].emission;
-        if (std::max({e.x, e.y, e.z}) > 0.0)
+        const ModelMaterial& m = model.materials[t.material];
+        if (std::max({m.emission.x, m.emission.y, m.emission.z}) > 0.0 ||
+            (m.coats && m.coats->through > 0.0))
             return true;
     }
     return false;
@@ -75,7 +96,8 @@ bool emits(const Model& model) {
 } // namespace
 
 Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
-                                                       const PlaceLight& light, std::uint32_t finer,
+                                                       const PlaceLight& light,
+                                                       const Tracer& tracer, std::uint32_t finer,
                                                        double exposure, const BakeRun& run) {
     const Texels2 size = fine.texel_places().size();
     const Extent4 whole{size[0], size[1], 1, 1};
@@ -93,7 +115,7 @@ Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
         for (std::uint32_t u = 0; u < size[0]; ++u) {
             if (!fine.texel_places().matters(u, v))
                 continue;
-            const auto m = material_of(fine, light, finer, u, v);
+            const auto m = material_of(fine, light, tracer, finer, u, v);
             if (!m)
                 continue;
             const std::size_t i = std::size_t{v} * size[0] + u;

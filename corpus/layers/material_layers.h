@@ -7,10 +7,13 @@
 namespace tessera::corpus {
 
 // `fine` has `finer` times as many texels as the places of `light`, along u and v. `exposure`
-// multiplies light. There is no layer of emission if nothing emits. The diffuse layer comes first.
+// multiplies light. Light that passes a material joins emitted light, the same for all views; other
+// extensions become the nearest lobes (without_coats()). There is no layer of emission if nothing
+// emits or passes light. The diffuse layer comes first.
 // Errors: those of for_rows().
 Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
-                                                       const PlaceLight& light, std::uint32_t finer,
+                                                       const PlaceLight& light,
+                                                       const Tracer& tracer, std::uint32_t finer,
                                                        double exposure, const BakeRun& run);
 
 } // namespace tessera::corpus

@@ -63,7 +63,7 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
         out.lights = distant_lights(light, options.lights, options.exposure);
     TESSERA_TRY_ASSIGN(const PlaceLight places,
                        PlaceLight::make(coarse, tracer, out.lights, options.light, options.run));
-    TESSERA_TRY_ASSIGN(out.layers, bake_material_layers(fine, places, options.light_texel,
+    TESSERA_TRY_ASSIGN(out.layers, bake_material_layers(fine, places, tracer, options.light_texel,
                                                         options.exposure, options.run));
     if (!out.lights.empty()) {
         TESSERA_TRY_ASSIGN(LayerTexture visibility,

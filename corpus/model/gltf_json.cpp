@@ -200,12 +200,19 @@ bool is_supported(const std::string& extension) {
                                          "EXT_texture_webp",
                                          meshopt_name,
                                          "KHR_lights_punctual",
+                                         "KHR_materials_anisotropy",
+                                         "KHR_materials_clearcoat",
                                          "KHR_materials_emissive_strength",
                                          "KHR_materials_ior",
+                                         "KHR_materials_iridescence",
                                          "KHR_materials_pbrSpecularGlossiness",
+                                         "KHR_materials_sheen",
                                          "KHR_materials_specular",
+                                         "KHR_materials_transmission",
                                          "KHR_materials_unlit",
+                                         "KHR_materials_volume",
                                          "KHR_mesh_quantization",
+                                         "KHR_texture_basisu",
                                          "KHR_texture_transform"};
     return std::ranges::find(supported, extension) != std::end(supported);
 }

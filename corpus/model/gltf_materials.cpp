@@ -1,5 +1,8 @@
 #include "corpus/model/gltf_materials.h"
 
+#include "corpus/model/gltf_coats.h"
+#include "corpus/model/gltf_images.h"
+
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
@@ -8,24 +11,7 @@ namespace {
 
 using Value = tinygltf::Value;
 
-double number_or(const Value& object, const char* key, double otherwise) {
-    return object.Has(key) && object.Get(key).IsNumber() ? object.Get(key).GetNumberAsDouble()
-                                                         : otherwise;
-}
-
-glm::dvec2 pair_or(const Value& object, const char* key, const glm::dvec2& otherwise) {
-    if (!object.Has(key) || !object.Get(key).IsArray() || object.Get(key).ArrayLen() != 2)
-        return otherwise;
-    const Value &x = object.Get(key).Get(0), &y = object.Get(key).Get(1);
-    return x.IsNumber() && y.IsNumber() ? glm::dvec2(x.GetNumberAsDouble(), y.GetNumberAsDouble())
-                                        : otherwise;
-}
-
-// The object of an extension, or null.
-const Value* extension_of(const tinygltf::ExtensionMap& extensions, const char* name) {
-    const auto it = extensions.find(name);
-    return it != extensions.end() && it->second.IsObject() ? &it->second : nullptr;
-}
+constexpr const char* basisu_name = "KHR_texture_basisu";
 
 // The matrix and offset of KHR_texture_transform. Rotation is counter-clockwise as seen in the
 // picture, whose v grows downwards.
@@ -46,13 +32,19 @@ bool is_bounded(const TextureUse& use) {
     return std::abs(use.offset.x) <= most && std::abs(use.offset.y) <= most;
 }
 
-// The image of a texture: WebP, which Tessera reads, before the fallback; -1: none.
+// The image of a texture: WebP, which Tessera reads, before the fallback, and that before KTX2, beside
+// which may lie another picture; -1: none.
 int image_of(const tinygltf::Model& file, const tinygltf::Texture& texture) {
-    if (const Value* webp = extension_of(texture.extensions, "EXT_texture_webp"))
-        if (const double source = number_or(*webp, "source", -1.0);
-            source >= 0 && source < static_cast<double>(file.images.size()))
-            return static_cast<int>(source);
-    return has(file.images, texture.source) ? texture.source : -1;
+    const auto extended = [&](const char* name) {
+        const Value* extension = extension_of(texture.extensions, name);
+        const double source = extension ? number_or(*extension, "source", -1.0) : -1.0;
+        return source >= 0 && source < static_cast<double>(file.images.size())
+                   ? static_cast<int>(source)
+                   : -1;
+    };
+    if (const int webp = extended("EXT_texture_webp"); webp >= 0)
+        return webp;
+    return has(file.images, texture.source) ? texture.source : extended(basisu_name);
 }
 
 Result<TextureUse> texture_use(const tinygltf::Model& file, int texture, int uv,
@@ -90,43 +82,10 @@ Result<TextureUse> texture_use(const tinygltf::Model& file, int texture, int uv,
     return use;
 }
 
-double number_at(const Value& list, std::size_t index, double otherwise) {
-    const Value& number = list.Get(static_cast<int>(index));
-    return number.IsNumber() ? number.GetNumberAsDouble() : otherwise;
-}
-
-// Three numbers from 0 to 10,000.
-glm::dvec3 colour_or(const Value& object, const char* key, const glm::dvec3& otherwise) {
-    if (!object.Has(key) || !object.Get(key).IsArray() || object.Get(key).ArrayLen() < 3)
-        return otherwise;
-    glm::dvec3 colour;
-    for (std::size_t c = 0; c < 3; ++c) {
-        const auto channel = static_cast<glm::length_t>(c);
-        colour[channel] = number_at(object.Get(key), c, otherwise[channel]);
-    }
-    return glm::clamp(colour, 0.0, 1e4);
-}
-
 double fourth_or(const Value& object, const char* key, double otherwise) {
     return object.Has(key) && object.Get(key).IsArray() && object.Get(key).ArrayLen() == 4
-               ? number_at(object.Get(key), 3, otherwise)
+               ? listed_number(object.Get(key), 3, otherwise)
                : otherwise;
-}
-
-// The texture that an extension names under `key`; none without it.
-Result<TextureUse> extension_texture(const tinygltf::Model& file, const Value& extension,
-                                     const char* key, const std::string& who,
-                                     std::vector<std::string>& notes) {
-    if (!extension.Has(key) || !extension.Get(key).IsObject())
-        return TextureUse();
-    const Value& info = extension.Get(key);
-    tinygltf::ExtensionMap extensions;
-    if (info.Has("extensions") && info.Get("extensions").IsObject())
-        for (const std::string& name : info.Get("extensions").Keys())
-            extensions[name] = info.Get("extensions").Get(name);
-    const double index = number_or(info, "index", -1.0), uv = number_or(info, "texCoord", 0.0);
-    const auto whole = [](double x) { return x >= 0.0 && x < 1e6 ? static_cast<int>(x) : -1; };
-    return texture_use(file, whole(index), whole(uv), extensions, who, notes);
 }
 
 Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t number,
@@ -160,6 +119,7 @@ Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t num
         const double index = std::clamp(number_or(*ior, "ior", 1.5), 0.0, 1e6);
         const double root = index == 0.0 ? 1.0 : (index - 1.0) / (index + 1.0);
         m.reflectance = index == 1.5 ? usual_reflectance : root * root;
+        m.ior = std::max(index, 1.0);
     }
     const auto extended_use = [&](const Value& extension, const char* key) {
         return extension_texture(file, extension, key, who, notes);
@@ -182,36 +142,38 @@ Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t num
         TESSERA_TRY_ASSIGN(m.metal_roughness_texture,
                            extended_use(*gloss, "specularGlossinessTexture"));
     }
+    TESSERA_TRY_ASSIGN(m.coats, read_coats(file, from, who, notes));
     return m;
 }
 
-std::array<TextureUse*, 6> textures_of(ModelMaterial& m) {
-    return {&m.base_texture,     &m.metal_roughness_texture, &m.normal_texture,
-            &m.emission_texture, &m.specular_texture,        &m.specular_colour_texture};
-}
-
-// Decodes image `number` into the model; if that fails, takes it from all materials.
-void read_image(const tinygltf::Image& image, int number, Model& model) {
-    const std::string who =
-        "image " + std::to_string(number) +
-        (image.uri.empty() ? std::string() : " (" + image.uri.substr(0, longest_shown) + ")");
-    Result<Image> decoded = image.image.empty()
-                                ? Result<Image>(Status(ErrorCode::io, who + " is missing"))
-                                : decode_image(image.image).with_context(who);
-    if (decoded.ok()) {
-        model.images[static_cast<std::size_t>(number)] = std::move(*decoded);
-        return;
-    }
-    model.notes.push_back(decoded.status().message() + "; materials are read without it");
-    for (ModelMaterial& material : model.materials)
-        for (TextureUse* use : textures_of(material))
-            if (use->image == number)
-                use->image = -1;
+std::vector<TextureUse*> textures_of(ModelMaterial& m) {
+    std::vector<TextureUse*> all{&m.base_texture,     &m.metal_roughness_texture,
+                                 &m.normal_texture,   &m.emission_texture,
+                                 &m.specular_texture, &m.specular_colour_texture};
+    if (m.coats)
+        for (const auto texture : coat_textures)
+            all.push_back(&((*m.coats).*texture));
+    return all;
 }
 
 } // namespace
 
-Status read_materials(const tinygltf::Model& file, Model& model) {
+Result<TextureUse> extension_texture(const tinygltf::Model& file, const tinygltf::Value& extension,
+                                     const char* key, const std::string& who,
+                                     std::vector<std::string>& notes) {
+    if (!extension.Has(key) || !extension.Get(key).IsObject())
+        return TextureUse();
+    const tinygltf::Value& info = extension.Get(key);
+    tinygltf::ExtensionMap extensions;
+    if (info.Has("extensions") && info.Get("extensions").IsObject())
+        for (const std::string& name : info.Get("extensions").Keys())
+            extensions[name] = info.Get("extensions").Get(name);
+    const double index = number_or(info, "index", -1.0), uv = number_or(info, "texCoord", 0.0);
+    const auto whole = [](double x) { return x >= 0.0 && x < 1e6 ? static_cast<int>(x) : -1; };
+    return texture_use(file, whole(index), whole(uv), extensions, who, notes);
+}
+
+Status read_materials(const tinygltf::Model& file, const std::string& folder, Model& model) {
     model.materials.emplace_back(); // glTF's default
     std::size_t blending = 0;
     for (std::size_t i = 0; i < file.materials.size(); ++i) {
@@ -228,10 +190,32 @@ Status read_materials(const tinygltf::Model& file, Model& model) {
         for (const TextureUse* use : textures_of(material))
             if (use->image >= 0)
                 is_used[static_cast<std::size_t>(use->image)] = true;
+    const auto fallbacks = std::ranges::count_if(file.textures, [&](const tinygltf::Texture& t) {
+        return has(file.images, t.source) && t.extensions.contains(basisu_name);
+    });
+    if (fallbacks > 0)
+        model.notes.push_back("KTX2 is not read: " + std::to_string(fallbacks) +
+                              (fallbacks == 1 ? " texture has its" : " textures have their") +
+                              " fallback picture");
     model.images.resize(file.images.size());
-    for (std::size_t i = 0; i < file.images.size(); ++i)
-        if (is_used[i])
-            read_image(file.images[i], static_cast<int>(i), model);
+    for (std::size_t i = 0; i < file.images.size(); ++i) {
+        if (!is_used[i]) {
+            if (file.images[i].image.empty())
+                model.notes.push_back(image_name(file.images[i], i) +
+                                      " is missing, and nothing uses it");
+            continue;
+        }
+        Result<Image> image = read_image(file.images[i], i, folder, model.notes);
+        if (image.ok()) {
+            model.images[i] = std::move(*image);
+            continue;
+        }
+        model.notes.push_back(image.status().message() + "; materials are read without it");
+        for (ModelMaterial& material : model.materials)
+            for (TextureUse* use : textures_of(material))
+                if (use->image == static_cast<int>(i))
+                    use->image = -1;
+    }
     return {};
 }
 

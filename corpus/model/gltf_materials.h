@@ -8,6 +8,6 @@ namespace tessera::corpus {
 // Appends the materials of the file, glTF's default first, and its images to the model. An image
 // that is missing or damaged is noted, and materials are read without it. Images that no material
 // uses stay empty. Errors: invalid_file, unsupported; both name the material.
-Status read_materials(const tinygltf::Model& file, Model& model);
+Status read_materials(const tinygltf::Model& file, const std::string& folder, Model& model);
 
 } // namespace tessera::corpus

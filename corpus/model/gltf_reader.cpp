@@ -1,4 +1,5 @@
 // glTF 2.0, read with tinygltf.
+#include "corpus/model/gltf_cameras.h"
 #include "corpus/model/gltf_materials.h"
 
 #include <algorithm>
@@ -100,6 +101,7 @@ public:
         for (const int node : at(file_.scenes, scene).nodes)
             TESSERA_TRY(add_node(node, glm::dmat4(1.0), 0));
         note_skipped();
+        std::move(cameras_).finish(builder_.model());
         return {};
     }
 
@@ -116,6 +118,7 @@ private:
         const tinygltf::Node& node = at(file_.nodes, number);
         const glm::dmat4 place = parent * transform_of(node);
         add_lamp(node, place);
+        cameras_.add(file_, node, place);
         if (node.mesh >= 0) {
             if (!has(file_.meshes, node.mesh))
                 return invalid_gltf(who + " has mesh " + std::to_string(node.mesh) + " of " +
@@ -231,6 +234,7 @@ private:
     const tinygltf::Model& file_;
     const SafeGltf& safe_;
     ModelBuilder& builder_;
+    GltfCameras cameras_;
     std::size_t nodes_ = 0;
     std::size_t hidden_ = 0;  // meshes of scale 0
     std::size_t dark_ = 0;    // lights without intensity
@@ -329,8 +333,9 @@ void note_ignored(const tinygltf::Model& file, const SafeGltf& safe,
     note(morphed, "primitive has", "primitives have", "morph targets, which are not applied");
 }
 
-Status convert(const tinygltf::Model& file, const SafeGltf& safe, ModelBuilder& builder) {
-    TESSERA_TRY(read_materials(file, builder.model()));
+Status convert(const tinygltf::Model& file, const SafeGltf& safe, const std::string& folder,
+               ModelBuilder& builder) {
+    TESSERA_TRY(read_materials(file, folder, builder.model()));
     note_ignored(file, safe, builder.model().notes);
     return GltfScene(file, safe, builder).add();
 }
@@ -344,7 +349,7 @@ Status read_gltf(const std::string& path, ModelBuilder& builder) {
     tinygltf::Model file;
     TESSERA_TRY(load(path, safe, file));
     TESSERA_TRY(decompress(safe, file));
-    return convert(file, safe, builder);
+    return convert(file, safe, folder_of(path), builder);
 }
 
 } // namespace tessera::corpus

@@ -14,6 +14,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,13 +45,38 @@ struct TextureUse {
 // How a place that is no metal mirrors light at normal incidence, without KHR_materials_ior.
 inline constexpr double usual_reflectance = 0.04;
 
+// What extensions of glTF add to a material. Textures multiply the numbers beside them.
+struct ModelCoats {
+    // KHR_materials_clearcoat: a second mirror above all.
+    double clear = 0.0, clear_roughness = 0.0, clear_normal_scale = 1.0;
+    TextureUse clear_texture, clear_roughness_texture, clear_normal_texture; // red, green
+    // KHR_materials_sheen
+    glm::dvec3 sheen{0.0};
+    double sheen_roughness = 0.0;
+    TextureUse sheen_texture, sheen_roughness_texture; // colour, alpha
+    // KHR_materials_anisotropy: highlights are longer along the direction, which is an angle from
+    // the tangent in radians, counter-clockwise.
+    double anisotropy = 0.0, rotation = 0.0;
+    TextureUse anisotropy_texture; // red and green: the direction; blue
+    // KHR_materials_iridescence: a thin film, its thickness in nanometres.
+    double film = 0.0, film_ior = 1.3, film_least = 100.0, film_most = 400.0;
+    TextureUse film_texture, film_thickness_texture; // red, green
+    // KHR_materials_transmission and _volume: the share of light that is not mirrored and passes
+    // instead of being scattered. A volume bends it and absorbs it on its way.
+    double through = 0.0;
+    TextureUse through_texture; // red
+    bool is_volume = false;
+    glm::dvec3 attenuation{1.0};       // what is left of light after `attenuation_distance`
+    double attenuation_distance = 0.0; // 0: no light is absorbed
+};
+
 // The metallic-roughness material of glTF, without occlusion: the tracer computes that.
 struct ModelMaterial {
     glm::dvec4 base{1.0}; // linear
     double metal = 1.0, roughness = 1.0;
     // How dielectrics mirror: KHR_materials_ior, and the weight and colour of
     // KHR_materials_specular.
-    double reflectance = usual_reflectance, specular = 1.0;
+    double reflectance = usual_reflectance, specular = 1.0, ior = 1.5;
     glm::dvec3 specular_colour{1.0};
     // KHR_materials_pbrSpecularGlossiness: `base` is the diffuse colour, specular_colour the
     // reflectance of all, and metal_roughness_texture has factors of the reflectance and, in alpha,
@@ -65,6 +91,7 @@ struct ModelMaterial {
     bool double_sided = false;
     TextureUse base_texture, metal_roughness_texture, normal_texture, emission_texture;
     TextureUse specular_texture, specular_colour_texture; // alpha, colour
+    std::optional<ModelCoats> coats;
 };
 
 struct ModelVertex {
@@ -89,13 +116,21 @@ struct ModelLamp {
     double inner_cosine = 1.0, outer_cosine = 0.0; // of a spot: full light, and none
 };
 
+// A perspective camera of the file.
+struct ModelCamera {
+    std::string name;
+    glm::dvec3 eye{0.0}, forward{0.0, 0.0, -1.0}, up{0.0, 1.0, 0.0}; // unit vectors
+    double fov = 45.0;                                               // vertical, degrees
+};
+
 struct Model {
     std::vector<ModelVertex> vertices;
     std::vector<ModelTriangle> triangles;
     std::vector<ModelMaterial> materials; // at least one
     std::vector<Image> images;            // without texels where no material uses it
     std::vector<ModelLamp> lamps;
-    std::vector<std::string> notes; // what is missing or ignored, for people
+    std::vector<ModelCamera> cameras; // with different names
+    std::vector<std::string> notes;   // what is missing or ignored, for people
 };
 
 // The normal of a triangle. Its length is twice the area.
@@ -110,7 +145,8 @@ inline glm::dvec3 area_vector(const Model& model, const ModelTriangle& triangle)
 // moved and scaled to fill the paper's sphere, radius 3.5 around the origin. Extensions of glTF
 // that are read: KHR_draco_mesh_compression, EXT_meshopt_compression, KHR_mesh_quantization,
 // KHR_texture_transform, KHR_lights_punctual, EXT_mesh_gpu_instancing, EXT_texture_webp, and
-// KHR_materials_emissive_strength, _ior, _specular, _unlit and _pbrSpecularGlossiness. Model::notes names
+// KHR_materials_anisotropy, _clearcoat, _emissive_strength, _ior, _iridescence,
+// _pbrSpecularGlossiness, _sheen, _specular, _transmission, _unlit and _volume. Model::notes names
 // what is ignored: other extensions, animation, skins, morph targets, blending, pictures that
 // cannot be read.
 //

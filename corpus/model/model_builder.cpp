@@ -179,6 +179,11 @@ Result<Model> ModelBuilder::finish() && {
     const double scale = paper_radius / radius;
     for (ModelVertex& v : model_.vertices)
         v.position = glm::vec3((glm::dvec3(v.position) - middle) * scale);
+    for (ModelMaterial& material : model_.materials)
+        if (material.coats)
+            material.coats->attenuation_distance *= scale;
+    for (ModelCamera& camera : model_.cameras)
+        camera.eye = (camera.eye - middle) * scale;
     for (ModelLamp& lamp : model_.lamps) {
         lamp.position = (lamp.position - middle) * scale;
         lamp.range *= scale;

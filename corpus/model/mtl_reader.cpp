@@ -1,7 +1,8 @@
-// The reader uses the statements newmtl, Kd, Ke, Ns, Pr, Pm, map_Kd, map_Ke, map_Pr, map_Pm, norm and, if
-// it is a normal map, map_Bump. It notes other maps.
+// The reader uses the statements newmtl, Kd, Ke, Ns, Pr, Pm, Pc, Pcr, map_Kd, map_Ke, map_Pr, map_Pm,
+// norm and map_Bump. It notes other maps, transparency, sheen and anisotropy.
 #include "corpus/model/mtl_reader.h"
 
+#include "corpus/model/bump_map.h"
 #include "corpus/model/obj_text.h"
 #include "corpus/model/polygons.h"
 #include "corpus/model/readers.h"
@@ -66,24 +67,16 @@ bool read_colour(std::string_view rest, glm::dvec3& colour) {
     return true;
 }
 
-// Most exporters call a normal map a bump map. Returns false where it is one of heights, which
-// have no scale in this format.
-bool take_bump(const MtlMaterial& from, ModelBuilder& builder, ModelMaterial& m) {
-    const int image = builder.add_image_or_note(from.bump_picture);
-    if (image < 0)
-        return true;
-    // JPEG and dithering colour greys a little; normal maps are blue.
-    std::uint64_t red = 0, blue = 0;
-    for (const auto& texel : builder.model().images[static_cast<std::size_t>(image)].texels) {
-        red += texel[0];
-        blue += texel[2];
-    }
-    const std::size_t count = builder.model().images[static_cast<std::size_t>(image)].texels.size();
-    if (blue < red + 16 * count)
-        return false;
-    m.normal_texture.image = image;
-    m.normal_scale = from.bump_scale;
-    return true;
+// Statements without an effect here. Exporters write all of them; few values change anything.
+bool is_ignored(const std::string& keyword, std::string_view rest) {
+    static const std::map<std::string_view, double> usual = {
+        {"d", 1.0}, {"tr", 0.0}, {"ps", 0.0}, {"aniso", 0.0}, {"anisor", 0.0}};
+    glm::dvec3 filter(1.0);
+    if (keyword == "tf") // all of it, or none
+        return read_colour(rest, filter) && filter != glm::dvec3(1.0) && filter != glm::dvec3(0.0);
+    const auto it = usual.find(keyword);
+    double number = 0;
+    return it != usual.end() && parse_real(take_word(rest), number) && number != it->second;
 }
 
 // Joins both maps into one, as glTF has them: roughness is green, metal blue.
@@ -129,14 +122,19 @@ bool MtlMaterial::read(const std::string& keyword, std::string_view rest,
     if (keyword == "kd" || keyword == "ke")
         return read_colour(rest, keyword == "kd" ? diffuse : emission);
     double number = 0;
-    if (keyword == "ns" || keyword == "pr" || keyword == "pm") {
+    if (keyword == "ns" || keyword == "pr" || keyword == "pm" || keyword == "pc" ||
+        keyword == "pcr") {
         if (!parse_real(take_word(rest), number))
             return false;
         if (keyword == "ns")
             exponent = number;
+        else if (keyword == "pc" || keyword == "pcr")
+            (keyword == "pc" ? clear : clear_roughness) = std::clamp(number, 0.0, 1.0);
         else
             (keyword == "pr" ? roughness : metal) = number;
     }
+    if (is_ignored(keyword, rest))
+        ignored.insert(keyword);
     const auto path = [&] { return picture_path(folder, texture_name(rest)); };
     if (keyword == "map_kd")
         picture = path();
@@ -151,7 +149,7 @@ bool MtlMaterial::read(const std::string& keyword, std::string_view rest,
     else if (keyword == "map_bump" || keyword == "bump")
         return read_bump(rest, path(), *this);
     else if (keyword.starts_with("map_") || keyword == "disp" || keyword == "refl")
-        ignored_maps.insert(keyword.substr(0, longest_shown));
+        ignored.insert(keyword.substr(0, longest_shown));
     return true;
 }
 
@@ -186,7 +184,8 @@ std::uint32_t MtlReader::find(std::string_view name) const {
 
 void MtlReader::finish(ModelBuilder& builder) const {
     builder.model().materials.push_back(plain_material(MtlMaterial().diffuse));
-    std::map<std::string, std::size_t> ignored; // maps, with the number of their materials
+    std::map<std::string, std::size_t> ignored; // statements, with the number of their materials
+    BumpMaps bumps;
     for (const MtlMaterial& from : materials_) {
         ModelMaterial m = plain_material(from.diffuse, from.exponent);
         m.emission = linear_colour(from.emission);
@@ -207,15 +206,21 @@ void MtlReader::finish(ModelBuilder& builder) const {
         }
         if (!from.normal_picture.empty())
             m.normal_texture.image = builder.add_image_or_note(from.normal_picture);
-        else if (!from.bump_picture.empty() && !take_bump(from, builder, m))
-            ++ignored["map_bump of heights"];
+        else if (!from.bump_picture.empty())
+            bumps.take(from.bump_picture, from.bump_scale, builder, m);
+        if (from.clear > 0.0) {
+            m.coats = ModelCoats{};
+            m.coats->clear = from.clear;
+            m.coats->clear_roughness = from.clear_roughness;
+        }
         take_roughness(from, builder, m);
         builder.model().materials.push_back(m);
-        for (const std::string& map : from.ignored_maps)
-            ++ignored[map];
+        for (const std::string& statement : from.ignored)
+            ++ignored[statement];
     }
-    for (const auto& [map, count] : ignored)
-        builder.model().notes.push_back(map + " (" + std::to_string(count) +
+    bumps.note(builder.model().notes);
+    for (const auto& [statement, count] : ignored)
+        builder.model().notes.push_back(statement + " (" + std::to_string(count) +
                                         (count == 1 ? " material" : " materials") +
                                         ") is not supported and is ignored");
 }

@@ -22,7 +22,8 @@ struct MtlMaterial {
     std::string picture, emission_picture, normal_picture, bump_picture;
     std::string roughness_picture, metal_picture;
     double bump_scale = 1.0;
-    std::set<std::string> ignored_maps;
+    double clear = 0.0, clear_roughness = 0.0;
+    std::set<std::string> ignored; // statements
 
     // Reads a statement. Returns false if `rest` is not a value of the keyword, which is in lower
     // case. `folder` is that of the file.

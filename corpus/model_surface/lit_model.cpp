@@ -92,7 +92,7 @@ glm::dvec3 LitModel::light_with(std::uint32_t u, std::uint32_t v, AngularMap map
         const glm::dvec3 view = view_from(at.frame, map, s, t);
         emitted += at.point.emission;
         specular += tracer_.specular_own(at.point, view, shared, own, random);
-        bent += bend(glm::dot(Tracer::facing(at.point, view).normal, view));
+        bent += diffuse_toward(Tracer::facing(at.point, view), view);
     }
     for (const Arriving::At& at : arriving.all) {
         const glm::dvec3 view = view_from(at.place.frame, map, s, t);

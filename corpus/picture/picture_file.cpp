@@ -67,6 +67,22 @@ PictureKind kind_of(std::string_view begin) {
                : PictureKind::none;
 }
 
+// Other kinds of files that are named .tga by mistake are not.
+bool is_tga(ByteSource& file, std::string_view begin) {
+    constexpr std::string_view footer = "TRUEVISION-XFILE.\0"sv;
+    std::array<char, footer.size()> end{};
+    if (file.size() < footer.size() || unsupported_kind(begin))
+        return false;
+    if (file.read(file.size() - footer.size(), std::as_writable_bytes(std::span(end))).ok() &&
+        std::string_view(end.data(), end.size()) == footer)
+        return true;
+    const std::string& name = file.name();
+    const std::string_view ending =
+        std::string_view(name).substr(name.size() - std::min<std::size_t>(name.size(), 4));
+    const auto source = std::as_bytes(std::span(begin));
+    return (ending == ".tga" || ending == ".TGA") && known_kind(source).empty();
+}
+
 Result<std::unique_ptr<PictureReader>> open_exr(ByteSource& file, const PictureOptions& options) {
     auto reader = std::make_unique<ExrReader>(file, options.threads);
     TESSERA_TRY(reader->open(options.layer));
@@ -138,6 +154,8 @@ Result<HeldPicture> read_held(PictureKind kind, std::span<const std::byte> file)
         return held_image(read_webp(file), kind);
     case PictureKind::bmp:
         return held_image(read_bmp(file), kind);
+    case PictureKind::tga:
+        return held_image(read_tga(file), kind);
     default:
         return held_light(read_hdr(file));
     }
@@ -239,7 +257,10 @@ PictureKind picture_kind_of(ByteSource& file) {
     char begin[12];
     const std::size_t length = std::min<std::uint64_t>(sizeof begin, file.size());
     const Status read = file.read(0, std::as_writable_bytes(std::span(begin, length)));
-    return read.ok() ? kind_of({begin, length}) : PictureKind::none;
+    if (!read.ok())
+        return PictureKind::none;
+    const PictureKind kind = kind_of({begin, length});
+    return kind == PictureKind::none && is_tga(file, {begin, length}) ? PictureKind::tga : kind;
 }
 
 Result<std::unique_ptr<PictureReader>> open_picture_file(ByteSource& file,
@@ -280,6 +301,7 @@ Result<Image> decode_image(std::span<const unsigned char> file) {
         return read_rgba(open_tiff(*source, Exif::followed));
     case PictureKind::exr:
         return not_supported("an EXR as a texture");
+    case PictureKind::tga: // not by its first bytes
     case PictureKind::none:
         break;
     }

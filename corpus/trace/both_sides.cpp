@@ -58,7 +58,9 @@ Result<Model> with_both_sides(Model model) {
         if (!is_visible(*rays, i))
             continue;
         model.triangles.push_back(before[i]);
-        if (!model.materials[before[i].material].double_sided || !is_open(*rays, i))
+        const ModelMaterial& m = model.materials[before[i].material];
+        const bool is_volume = m.coats && m.coats->is_volume && m.coats->through > 0.0;
+        if (!m.double_sided || is_volume || !is_open(*rays, i))
             continue;
         ModelTriangle back = turned(before[i]);
         for (std::uint32_t& vertex : back.vertices) {

@@ -7,8 +7,11 @@
 // in appendix B, light that bounces between microfacets is lost.
 #pragma once
 
+#include "corpus/trace/thin_film.h"
+
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -16,12 +19,31 @@
 
 namespace tessera::corpus {
 
+// What extensions of glTF add; see reflection.h and Tracer::transmitted().
+struct Coats {
+    double clear = 0.0, clear_alpha = 1.0; // share and GGX of the clear coat
+    glm::dvec3 clear_normal{0.0};
+    glm::dvec3 sheen{0.0};
+    double sheen_alpha = 1.0;
+    // GGX along a tangent; Lobes::alpha is that across. 0 for both without anisotropy.
+    double along_alpha = 0.0;
+    glm::dvec3 along{0.0};
+    double film = 0.0, film_ior = 1.3, film_nanometres = 0.0; // share of the film
+    glm::dvec3 through{0.0};                                  // colour of what passes
+    double through_alpha = 1.0;
+    bool is_volume = false;
+    double ior = 1.5;
+    glm::dvec3 absorption{0.0}; // per unit of length
+};
+
 // The directions of the view and of light point away from the surface.
 struct Lobes {
     glm::dvec3 diffuse{0.0}; // colour; 0 for metal
-    glm::dvec3 facing{0.04}; // Fresnel reflectance at normal incidence
+    glm::dvec3 facing{0.04}; // Fresnel reflectance at normal incidence, below any film
     double alpha = 1.0;      // of GGX: the square of the roughness
     double grazing = 1.0;    // Fresnel reflectance at grazing incidence
+    bool has_coats = false;
+    Coats coats{};
 };
 
 inline double fifth(double x) {
@@ -39,7 +61,14 @@ inline glm::dvec3 diffuse_colour(const Lobes& lobes) {
 }
 
 inline glm::dvec3 fresnel(const Lobes& lobes, double cosine) {
-    return lobes.facing + (glm::dvec3(lobes.grazing) - lobes.facing) * fifth(1.0 - cosine);
+    const glm::dvec3 bare =
+        lobes.facing + (glm::dvec3(lobes.grazing) - lobes.facing) * fifth(1.0 - cosine);
+    const Coats& coats = lobes.coats;
+    if (!(coats.film > 0.0))
+        return bare;
+    return glm::mix(bare,
+                    film_reflectance(cosine, coats.film_ior, coats.film_nanometres, lobes.facing),
+                    coats.film);
 }
 
 // The density of microfacets, per steradian, at this cosine between half vector and normal.
@@ -70,13 +99,14 @@ inline glm::dvec3 any_tangent(const glm::dvec3& n) {
     return glm::normalize(glm::cross(axis, n));
 }
 
-// A direction of light: `view` mirrored at a random microfacet that it sees (Heitz 2018). It may
-// point into the surface.
-inline glm::dvec3 sample_ggx(double alpha, const glm::dvec3& normal, const glm::dvec3& view,
-                             const glm::dvec2& random) {
-    const glm::dvec3 x = any_tangent(normal), y = glm::cross(normal, x);
+// The normal of a random microfacet that the view sees (Heitz 2018): GGX with one alpha along `x`
+// and one across.
+inline glm::dvec3 sample_facet(const glm::dvec2& alpha, const glm::dvec3& normal,
+                               const glm::dvec3& x, const glm::dvec3& view,
+                               const glm::dvec2& random) {
+    const glm::dvec3 y = glm::cross(normal, x);
     const glm::dvec3 stretched =
-        glm::normalize(glm::dvec3(alpha * glm::dot(view, x), alpha * glm::dot(view, y),
+        glm::normalize(glm::dvec3(alpha.x * glm::dot(view, x), alpha.y * glm::dot(view, y),
                                   std::max(glm::dot(view, normal), 1e-6)));
     // From there the hemisphere looks like a half disk and half an ellipse that meet along t1.
     const double flat = std::hypot(stretched.x, stretched.y);
@@ -90,8 +120,14 @@ inline glm::dvec3 sample_ggx(double alpha, const glm::dvec3& normal, const glm::
         (1.0 - share) * std::sqrt(std::max(0.0, 1.0 - p1 * p1)) + share * radius * std::sin(angle);
     const glm::dvec3 h =
         p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0, 1.0 - p1 * p1 - p2 * p2)) * stretched;
+    return glm::normalize(x * (alpha.x * h.x) + y * (alpha.y * h.y) + normal * std::max(1e-9, h.z));
+}
+
+// A direction of light: `view` mirrored at a random microfacet. It may point into the surface.
+inline glm::dvec3 sample_ggx(double alpha, const glm::dvec3& normal, const glm::dvec3& view,
+                             const glm::dvec2& random) {
     const glm::dvec3 facet =
-        glm::normalize(x * (alpha * h.x) + y * (alpha * h.y) + normal * std::max(1e-9, h.z));
+        sample_facet(glm::dvec2(alpha), normal, any_tangent(normal), view, random);
     return 2.0 * glm::dot(view, facet) * facet - view;
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "corpus/model/model.h"
-#include "corpus/trace/lobes.h"
+#include "corpus/trace/lit_point.h"
 #include "corpus/trace/ray_scene.h"
 
 #include <memory>
@@ -10,24 +10,10 @@
 
 namespace tessera::corpus {
 
-// A place on the front of a model's triangle.
-struct ModelPlace {
-    std::uint32_t triangle = 0;
-    glm::dvec2 barycentric{0.0}; // weights of the second and third corner
-};
-
-struct LitPoint {
-    glm::dvec3 position{0.0};
-    glm::dvec3 face{0.0};   // the triangle's normal
-    glm::dvec3 normal{0.0}; // the interpolated normal, or that of the normal map
-    glm::dvec3 emission{0.0};
-    Lobes lobes;
-};
-
 // Duplicates the triangles of double-sided materials for their backs. Backs that no observer
 // outside the model can see are omitted, because closed models are often marked double-sided; so
-// are triangles that an alpha mask removes completely. Errors: invalid_file (no triangle is left);
-// those of RayModel::make().
+// are backs of volumes, where light leaves them, and triangles that an alpha mask removes
+// completely. Errors: invalid_file (no triangle is left); those of RayModel::make().
 Result<Model> with_both_sides(Model model);
 
 // Immutable and thread-safe.
@@ -45,8 +31,18 @@ public:
                     double reach = std::numeric_limits<double>::infinity()) const;
     // Whether the ray meets a back first, which means that the origin is inside a body.
     bool meets_back(const glm::dvec3& origin, const glm::dvec3& direction) const;
-    // Whether the ray meets any triangle: front, back or removed by an alpha mask.
+    // Whether the ray meets a triangle: front, back or removed by an alpha mask. Those of materials
+    // that light passes do not count.
     bool is_walled(const glm::dvec3& origin, const glm::dvec3& direction) const;
+    // The first front, or back of a volume, that a ray from within a volume meets.
+    struct Side {
+        ModelPlace place;
+        double distance = 0;
+        bool is_back = false;
+    };
+    std::optional<Side> first_side(const glm::dvec3& origin, const glm::dvec3& direction) const;
+    // Whether light passes through any material.
+    bool has_glass() const { return has_glass_; }
     LitPoint point(const ModelPlace& place) const;
     // The light that the front emits at the place. The same as that of point().
     glm::dvec3 emission(const ModelPlace& place) const;
@@ -56,7 +52,12 @@ public:
 private:
     explicit RayModel(Model model);
 
+    const ModelMaterial& material(std::uint32_t triangle) const {
+        return model_.materials[model_.triangles[triangle].material];
+    }
+
     Model model_;
+    bool has_glass_ = false;
     std::optional<RayScene> fronts_, all_; // set by make()
 };
 

@@ -6,7 +6,6 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr double off = 1e-4;          // rays start this far above a surface, in world units
 constexpr int most_bounces = 8;       // after the first
 constexpr int sure_bounces = 2;       // later ones are subject to Russian roulette
 constexpr double least_alpha = 0.09;  // of indirectly seen places
@@ -18,67 +17,18 @@ double largest_channel(const glm::dvec3& x) {
 }
 
 glm::dvec3 start_of(const LitPoint& p) {
-    return p.position + off * p.face;
+    return p.position + Tracer::off * p.face;
 }
 
-// The lobe times the cosine of the light, and the density with which the lobe samples the
-// direction.
-struct Thrown {
-    glm::dvec3 share{0.0};
-    double density = 0;
-};
-
-struct DiffuseLobe {
-    const LitPoint& p;
-    Thrown operator()(const glm::dvec3& l) const {
-        const double nl = glm::dot(p.normal, l);
-        if (nl <= 0.0 || glm::dot(p.face, l) <= 0.0)
-            return {};
-        return {diffuse_colour(p.lobes) * (bend(nl) * nl), cosine_density(nl)};
-    }
-};
-
-struct SpecularLobe {
-    const LitPoint& p;
-    glm::dvec3 view;
-    Thrown operator()(const glm::dvec3& l) const {
-        const double nl = glm::dot(p.normal, l), nv = glm::dot(p.normal, view);
-        if (nl <= 0.0 || nv <= 0.0 || glm::dot(p.face, l) <= 0.0)
-            return {};
-        const glm::dvec3 h = glm::normalize(l + view);
-        const double nh = std::min(glm::dot(p.normal, h), 1.0);
-        const double alpha = p.lobes.alpha;
-        return {fresnel(p.lobes, glm::dot(view, h)) *
-                    (ggx(alpha, nh) * smith_visibility(alpha, nl, nv) * nl),
-                ggx_density(alpha, nh, nv)};
-    }
-};
-
-// Both lobes. The specular lobe samples the share `specular_share` of the directions.
-struct BothLobes {
-    DiffuseLobe diffuse;
-    SpecularLobe specular;
-    double specular_share;
-    Thrown operator()(const glm::dvec3& l) const {
-        const Thrown d = diffuse(l), s = specular(l);
-        return {d.share * bend(glm::dot(diffuse.p.normal, specular.view)) + s.share,
-                d.density * (1.0 - specular_share) + s.density * specular_share};
-    }
-};
-
-BothLobes both_lobes(const LitPoint& p, const glm::dvec3& view) {
-    const double s = largest_channel(fresnel(p.lobes, glm::dot(p.normal, view)));
-    const double d = largest_channel(p.lobes.diffuse);
-    const double share = d > 0.0 ? std::clamp(s / (s + d), 0.1, 0.9) : 1.0;
-    return {{p}, {p, view}, share};
-}
-
-glm::dvec3 sample_both(const BothLobes& lobes, PathRandom& random) {
-    const LitPoint& p = lobes.diffuse.p;
-    const bool specular = random.next() < lobes.specular_share;
-    const glm::dvec2 x = random.next2();
-    return specular ? sample_ggx(p.lobes.alpha, p.normal, lobes.specular.view, x)
-                    : sample_cosine(p.normal, x);
+// Makes the mirrors of an indirectly seen place rougher.
+void blur(Lobes& lobes) {
+    lobes.alpha = std::max(lobes.alpha, least_alpha);
+    if (!lobes.has_coats)
+        return;
+    Coats& coats = lobes.coats;
+    coats.clear_alpha = std::max(coats.clear_alpha, least_alpha);
+    if (coats.along_alpha > 0.0)
+        coats.along_alpha = std::max(coats.along_alpha, least_alpha);
 }
 
 } // namespace
@@ -95,7 +45,7 @@ LampLight lamp_light(const ModelLamp& lamp, const glm::dvec3& place) {
         return {-lamp.direction, infinite, lamp.strength};
     const glm::dvec3 way = lamp.position - place;
     const double distance = glm::length(way);
-    if (!(distance > off))
+    if (!(distance > Tracer::off))
         return {};
     LampLight light{way / distance, distance, lamp.strength / (distance * distance)};
     if (lamp.range > 0.0)
@@ -117,9 +67,9 @@ glm::dvec3 Tracer::lamps(const glm::dvec3& start, const Lobe& lobe, PathRandom& 
     const auto add = [&](const ModelLamp& lamp, double weight) {
         const LampLight light = lamp_light(lamp, start);
         const glm::dvec3 share = lobe(light.direction).share * light.irradiance * weight;
-        if (largest_channel(share) > 0.0 &&
-            !model_->is_blocked(start, light.direction, std::max(light.distance - off, 0.0)))
-            sum += share;
+        if (largest_channel(share) > 0.0)
+            sum +=
+                share * passing_share(start, light.direction, std::max(light.distance - off, 0.0));
     };
     if (count <= most_lamps) {
         for (const ModelLamp& lamp : light_.lamps)
@@ -136,8 +86,13 @@ glm::dvec3 Tracer::lamps(const glm::dvec3& start, const Lobe& lobe, PathRandom& 
 
 LitPoint Tracer::facing(LitPoint point, const glm::dvec3& view) {
     constexpr double least = 0.02;
-    if (const double cosine = glm::dot(point.normal, view); cosine < least)
-        point.normal = glm::normalize(point.normal + (least - cosine) * view);
+    const auto turn = [&](glm::dvec3& normal) {
+        if (const double cosine = glm::dot(normal, view); cosine < least)
+            normal = glm::normalize(normal + (least - cosine) * view);
+    };
+    turn(point.normal);
+    if (point.lobes.has_coats)
+        turn(point.lobes.coats.clear_normal);
     return point;
 }
 
@@ -150,8 +105,8 @@ glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& r
     glm::dvec3 sum(0.0);
     const auto add = [&](const glm::dvec3& light, const glm::dvec3& direction,
                          const glm::dvec3& share, double reach = infinite) {
-        if (largest_channel(share * light) > 0.0 && !model_->is_blocked(start, direction, reach))
-            sum += share * light;
+        if (largest_channel(share * light) > 0.0)
+            sum += share * light * passing_share(start, direction, reach);
     };
     const LightSample far = light_.environment->sample(random.next2());
     const Thrown thrown = lobe(far.direction);
@@ -190,9 +145,8 @@ glm::dvec3 Tracer::specular(const LitPoint& point, const glm::dvec3& view,
                             PathRandom& random) const {
     const SpecularLobe lobe{point, view};
     const glm::dvec3 lit = direct(point, lobe, random);
-    const glm::dvec2 x = random.next2();
-    return lit +
-           reflected(point, lobe, sample_ggx(point.lobes.alpha, point.normal, view, x), random);
+    const glm::dvec3 l = lobe.sample(random);
+    return lit + reflected(point, lobe, l, random) + transmitted(point, view, random);
 }
 
 double Tracer::emitter_density(const glm::dvec3& origin, const glm::dvec3& direction,
@@ -252,11 +206,13 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
     glm::dvec3 sum(0.0);
     if (light_.sun) {
         const glm::dvec3 share = lobe(light_.sun->direction).share;
-        if (largest_channel(share) > 0.0 && !model_->is_blocked(start, light_.sun->direction))
-            sum += share * light_.sun->irradiance / own;
+        if (largest_channel(share) > 0.0)
+            sum += share * light_.sun->irradiance *
+                   passing_share(start, light_.sun->direction, infinite) / own;
     }
     sum += lamps(start, lobe, random) / own;
-    const glm::dvec3 l = sample_ggx(faced.lobes.alpha, faced.normal, view, random.next2());
+    sum += transmitted(faced, view, random) / own;
+    const glm::dvec3 l = lobe.sample(random);
     if (const Thrown thrown = lobe(l); thrown.density > 0.0) {
         const Hit hit = model_->first_hit(start, l);
         sum += thrown.share * arriving(start, l, hit, infinite, random) /
@@ -266,8 +222,10 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
 }
 
 bool Tracer::is_shadowed(const LitPoint& point, const glm::dvec3& direction, double reach) const {
+    constexpr double half = 0.5; // of the light; less is a shadow
     return glm::dot(point.face, direction) <= 0.0 ||
-           model_->is_blocked(start_of(point), direction, std::max(reach - off, 0.0));
+           largest_channel(passing_share(start_of(point), direction, std::max(reach - off, 0.0))) <
+               half;
 }
 
 glm::dvec3 Tracer::from(const LitPoint& point, const glm::dvec3& direction, bool distant,
@@ -281,7 +239,7 @@ glm::dvec3 Tracer::from(const LitPoint& point, const glm::dvec3& direction, bool
 
 glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
                            PathRandom& random) const {
-    return point.emission + diffuse(point, random) * bend(glm::dot(point.normal, view)) +
+    return point.emission + diffuse(point, random) * diffuse_toward(point, view) +
            specular(point, view, random);
 }
 
@@ -299,16 +257,34 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
         }
         const glm::dvec3 view = -direction;
         LitPoint p = facing(model_->point(*hit), view);
-        p.lobes.alpha = std::max(p.lobes.alpha, least_alpha);
+        blur(p.lobes);
         if (largest_channel(p.emission) > 0.0)
             sum += share * p.emission / divisor(emitter_density(origin, direction, hit));
-        const BothLobes lobes = both_lobes(p, view);
+        const BothLobes lobes(p, view);
         sum += share * direct(p, lobes, random);
-        const glm::dvec3 l = sample_both(lobes, random);
-        const Thrown thrown = lobes(l);
-        if (!(thrown.density > 0.0))
-            return sum;
-        share *= thrown.share / thrown.density;
+        const double passes = passing_chance(p, view);
+        glm::dvec3 start = start_of(p);
+        if (passes > 0.0 && random.next() < passes) {
+            const PassedRay passed = pass(p, view, random);
+            if (!(largest_channel(passed.share) > 0.0))
+                return sum;
+            share *= passed.share / passes;
+            start = passed.origin;
+            if (!passed.is_straight) { // otherwise direct() saw the same light through the wall
+                origin = start;
+                density = infinite;
+            }
+            direction = passed.direction;
+        } else {
+            const glm::dvec3 l = lobes.sample(random);
+            const Thrown thrown = lobes(l);
+            if (!(thrown.density > 0.0))
+                return sum;
+            share *= thrown.share / (thrown.density * (1.0 - passes));
+            origin = start;
+            direction = l;
+            density = thrown.density;
+        }
         if (bounce >= sure_bounces) {
             const double chance = std::min(0.95, largest_channel(share));
             if (random.next() >= chance)
@@ -317,10 +293,7 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
         }
         if (++bounce == most_bounces)
             return sum;
-        origin = start_of(p);
-        direction = l;
-        density = thrown.density;
-        hit = model_->first_hit(origin, direction);
+        hit = model_->first_hit(start, direction);
     }
 }
 

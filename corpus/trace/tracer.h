@@ -5,6 +5,7 @@
 #include "corpus/trace/environment.h"
 #include "corpus/trace/path_random.h"
 #include "corpus/trace/ray_model.h"
+#include "corpus/trace/reflection.h"
 
 namespace tessera::corpus {
 
@@ -29,21 +30,26 @@ struct LampLight {
 LampLight lamp_light(const ModelLamp& lamp, const glm::dvec3& place);
 
 // A model in its light. Each function returns the estimate of one path. Estimates are unbiased with
-// one exception: indirectly seen places have a roughness of at least 0.3, because otherwise a few
-// paths would be very bright. Immutable and thread-safe.
+// two exceptions. Mirrors that are seen indirectly have a roughness of at least 0.3, because
+// otherwise a few paths would be very bright. And light passes volumes, which bend it, only along
+// paths that start at the observer: a lamp casts a shadow of a glass ball without a bright spot.
+// Clear walls without a volume cast tinted shadows. Immutable and thread-safe.
 class Tracer {
 public:
+    static constexpr double off = 1e-4; // rays start this far off a surface, in world units
+
     Tracer(std::shared_ptr<const RayModel> model, ModelLight light);
 
     const RayModel& model() const { return *model_; }
     const ModelLight& light() const { return light_; }
-    // Whether light from this direction, `reach` away, does not reach the point.
+    // Whether less than half of the light from this direction, `reach` away, reaches the point.
     bool is_shadowed(const LitPoint& point, const glm::dvec3& direction,
                      double reach = std::numeric_limits<double>::infinity()) const;
 
     // Diffuse light that leaves the point, without the factor bend() of the view's cosine.
     glm::dvec3 diffuse(const LitPoint& point, PathRandom& random) const;
-    // Specular light that leaves along the unit vector `view`, which is on the normal's side.
+    // Specular and transmitted light that leaves along the unit vector `view`, which is on the
+    // normal's side.
     glm::dvec3 specular(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
     // Specular light from two kinds of samples: `shared` paths, which arrive from directions that
     // do not depend on the view and serve all views of the point, and `own` paths of one view. The
@@ -62,6 +68,8 @@ public:
     // from the model and, if `distant`, from the environment.
     glm::dvec3 from(const LitPoint& point, const glm::dvec3& direction, bool distant,
                     PathRandom& random) const;
+    // Light from behind the surface that leaves along `view`, if the material lets light pass.
+    glm::dvec3 transmitted(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
     // All light that leaves the point along `view`.
     glm::dvec3 leaving(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
 
@@ -90,6 +98,22 @@ private:
                          PathRandom& random) const;
     template <class Lobe>
     glm::dvec3 direct(const LitPoint& point, const Lobe& lobe, PathRandom& random) const;
+
+    // Where a ray that came against `view` and passed the surface goes on.
+    struct PassedRay {
+        glm::dvec3 origin{0.0}, direction{0.0};
+        glm::dvec3 share{0.0};    // what is left of its light
+        bool is_straight = false; // through a clear wall
+    };
+    PassedRay pass(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
+    // From a place within a volume to where the ray leaves it.
+    PassedRay leave_volume(PassedRay ray, const LitPoint& entry, PathRandom& random) const;
+    // How often a ray passes instead of being reflected.
+    static double passing_chance(const LitPoint& point, const glm::dvec3& view);
+    // The share of light that goes straight from the start to what is `reach` away: 1, 0, or the
+    // colour of clear walls.
+    glm::dvec3 passing_share(const glm::dvec3& start, const glm::dvec3& direction,
+                             double reach) const;
 
     // Light of the lamps that is not blocked on its way to `start`, times the lobe. Many lamps are
     // sampled.

@@ -1,6 +1,5 @@
 // Tests what glTF files of other programs have: features that are read, and those that are noted.
-#include "corpus/trace/tracer.h"
-#include "tests/support/model_files.h"
+#include "tests/support/gltf_fixture.h"
 
 #include <algorithm>
 #include <meshoptimizer.h>
@@ -11,50 +10,7 @@ namespace {
 
 using namespace support;
 
-class Gltf : public testing::Test {
-protected:
-    std::string file(const std::string& name, const std::string& bytes) const {
-        return write_text((folder_ / name).string(), bytes);
-    }
-    Result<Model> load(const GltfText& text) const {
-        return load_model(file("a.gltf", text.text()));
-    }
-    // Expects that the model is read with exactly one note, which contains `words`.
-    Model load_with_note(const GltfText& text, const std::string& words) const {
-        auto model = load(text);
-        EXPECT_TRUE(model.ok()) << model.status().message();
-        if (!model.ok())
-            return {};
-        EXPECT_EQ(model->notes.size(), 1u) << words;
-        if (!model->notes.empty())
-            EXPECT_NE(model->notes[0].find(words), std::string::npos) << model->notes[0];
-        return std::move(*model);
-    }
-    void refuse(const GltfText& text, const std::string& words) const {
-        const auto model = load(text);
-        ASSERT_FALSE(model.ok()) << words;
-        EXPECT_EQ(model.status().code(), ErrorCode::invalid_file);
-        EXPECT_NE(model.status().message().find(words), std::string::npos)
-            << model.status().message();
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-
-    std::filesystem::path folder_ = test::make_test_folder("gltf");
-};
-
-// A triangle with a base colour texture; `images` is the list of the file's images.
-GltfText textured(const std::string& images, const std::string& texture = R"("source":0)",
-                  const std::string& use = "") {
-    GltfText text;
-    text.primitive = R"(,"material":0)";
-    text.more = R"(,"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0)" + use +
-                R"(}}}],"textures":[{)" + texture + R"(}],"images":[)" + images + "]";
-    return text;
-}
-
-const ModelMaterial& material_of(const Model& model) {
-    return model.materials[model.triangles[0].material];
-}
+class Gltf : public GltfFixture {};
 
 TEST_F(Gltf, MeshesOfScaleZeroAreSkipped) {
     GltfText text;
@@ -143,20 +99,40 @@ TEST_F(Gltf, ImagesThatCannotBeReadAreNoted) {
     load_with_note(textured(R"({"uri":"bad.png"})"), "image 0 (bad.png)");
     load_with_note(textured("", R"("extensions":{})"), "texture 0 has no image");
     // Nothing uses the second image.
-    const auto unused = load(textured(R"({"uri":"a.png"},{"uri":"nowhere.png"})"));
-    ASSERT_TRUE(unused.ok()) << unused.status().message();
-    EXPECT_TRUE(unused->notes.empty());
-    EXPECT_EQ(unused->images[0].width, 1u);
+    const Model unused = load_with_note(textured(R"({"uri":"a.png"},{"uri":"nowhere.png"})"),
+                                        "image 1 (nowhere.png) is missing, and nothing uses it");
+    EXPECT_EQ(unused.images[0].width, 1u);
 }
 
 TEST_F(Gltf, WebPComesBeforeItsFallback) {
     file("a.png", one_texel_png);
-    const auto model =
-        load(textured(R"({"uri":"nowhere.png"},{"uri":"a.png"})",
-                      R"("source":0,"extensions":{"EXT_texture_webp":{"source":1}})"));
-    ASSERT_TRUE(model.ok()) << model.status().message();
-    EXPECT_TRUE(model->notes.empty());
-    EXPECT_EQ(material_of(*model).base_texture.image, 1);
+    const Model model =
+        load_with_note(textured(R"({"uri":"nowhere.png"},{"uri":"a.png"})",
+                                R"("source":0,"extensions":{"EXT_texture_webp":{"source":1}})"),
+                       "image 0 (nowhere.png) is missing, and nothing uses it");
+    EXPECT_EQ(material_of(model).base_texture.image, 1);
+}
+
+// KTX2 is not read: the fallback of its texture, or a picture of its name beside it.
+TEST_F(Gltf, Ktx2HasPicturesBesideIt) {
+    const std::string ktx2 = "\xabKTX 20\xbb\r\n\x1a\n and what follows";
+    file("a.png", one_texel_png);
+    file("b c.ktx2", ktx2);
+    const std::string images = R"({"uri":"b%20c.ktx2"},{"uri":"a.png"})",
+                      extension = R"("extensions":{"KHR_texture_basisu":{"source":0}})";
+    const Model fallback = load_with_note(textured(images, R"("source":1,)" + extension),
+                                          "KTX2 is not read: 1 texture has its fallback picture");
+    EXPECT_EQ(material_of(fallback).base_texture.image, 1);
+    GltfText required = textured(images, extension);
+    required.more += R"(,"extensionsRequired":["KHR_texture_basisu"])";
+    EXPECT_EQ(material_of(load_with_note(required, "image 0 (b%20c.ktx2) is KTX2, which is not "
+                                                   "read; put a PNG of the same name beside it"))
+                  .base_texture.image,
+              -1);
+    file("b c.png", one_texel_png);
+    const Model beside = load_with_note(required, "b c.png beside it is taken");
+    EXPECT_EQ(material_of(beside).base_texture.image, 0);
+    EXPECT_EQ(beside.images[0].width, 1u);
 }
 
 TEST_F(Gltf, NamesAndKindsOfUris) {
@@ -178,106 +154,17 @@ TEST_F(Gltf, WhatIsIgnoredIsNamedAndCounted) {
     GltfText text;
     text.primitive = R"(,"material":0,"targets":[{"POSITION":0}])";
     text.more =
-        R"(,"materials":[{"alphaMode":"BLEND","extensions":{"KHR_materials_clearcoat":{}}},)"
-        R"({"extensions":{"KHR_materials_clearcoat":{}}}])"
+        R"(,"materials":[{"alphaMode":"BLEND","extensions":{"KHR_materials_dispersion":{}}},)"
+        R"({"extensions":{"KHR_materials_dispersion":{}}}])"
         R"(,"animations":[{"channels":[],"samplers":[]}],"skins":[{"joints":[0]}])";
     const auto model = load(text);
     ASSERT_TRUE(model.ok()) << model.status().message();
-    for (const char* words : {"alphaMode BLEND (1 material)", "KHR_materials_clearcoat (2 uses)",
+    for (const char* words : {"alphaMode BLEND (1 material)", "KHR_materials_dispersion (2 uses)",
                               "1 animation", "1 skin", "1 primitive has morph targets"})
         EXPECT_TRUE(std::ranges::any_of(model->notes, [&](const std::string& note) {
             return note.find(words) != std::string::npos;
         })) << words;
     EXPECT_EQ(model->notes.size(), 5u);
-}
-
-// The first triangle's material at its middle.
-LitPoint middle_of(const Model& model) {
-    const auto rays = RayModel::make(model);
-    EXPECT_TRUE(rays.ok());
-    return (*rays)->point({0, {1 / 3.0, 1 / 3.0}});
-}
-
-GltfText with_material(const std::string& material) {
-    GltfText text;
-    text.primitive = R"(,"material":0)";
-    text.more = R"(,"materials":[)" + material + "]";
-    return text;
-}
-
-TEST_F(Gltf, IndexOfRefractionAndSpecular) {
-    const auto lobes = [&](const std::string& extensions, double metal = 0.0) {
-        const auto model = load(with_material(
-            R"({"pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,1,1],"metallicFactor":)" +
-            std::to_string(metal) + R"(},"extensions":{)" + extensions + "}}"));
-        EXPECT_TRUE(model.ok()) << model.status().message();
-        EXPECT_TRUE(model.ok() && model->notes.empty());
-        return model.ok() ? middle_of(*model).lobes : Lobes();
-    };
-    const Lobes usual = lobes("");
-    EXPECT_EQ(usual.facing, glm::dvec3(0.04));
-    EXPECT_EQ(lobes(R"("KHR_materials_ior":{"ior":1.5})").facing.x, 0.04);
-    const Lobes diamond = lobes(R"("KHR_materials_ior":{"ior":2.4})");
-    EXPECT_NEAR(diamond.facing.x, std::pow(1.4 / 3.4, 2), 1e-12);
-    EXPECT_NEAR(diamond.diffuse.x, 0.5 * (1 - diamond.facing.x) / 0.96, 1e-6);
-    EXPECT_EQ(lobes(R"("KHR_materials_ior":{"ior":0})").facing.x, 1.0);
-    const Lobes weak =
-        lobes(R"("KHR_materials_specular":{"specularFactor":0.5,"specularColorFactor":[1,2,0]})");
-    EXPECT_NEAR(glm::distance(weak.facing, glm::dvec3(0.02, 0.04, 0)), 0, 1e-12);
-    EXPECT_EQ(weak.grazing, 0.5);
-    EXPECT_NEAR(fresnel(weak, 0.0).x, 0.5, 1e-12);
-    const Lobes metal = lobes(R"("KHR_materials_specular":{"specularFactor":0})", 1.0);
-    EXPECT_NEAR(glm::distance(metal.facing, glm::dvec3(0.5, 0.25, 1)), 0, 1e-6);
-    EXPECT_EQ(metal.grazing, 1.0);
-    EXPECT_EQ(metal.diffuse, glm::dvec3(0.0));
-}
-
-TEST_F(Gltf, SpecularTexturesAreSampled) {
-    Model model = cube_model();
-    model.images.push_back({1, 1, {{255, 0, 188, 51}}});
-    model.materials[0].metal = 0;
-    model.materials[0].specular_texture.image = 0;
-    model.materials[0].specular_colour_texture.image = 0;
-    const Lobes lobes = middle_of(model).lobes;
-    EXPECT_NEAR(lobes.grazing, 0.2, 1e-9);
-    EXPECT_NEAR(glm::distance(lobes.facing, 0.04 * 0.2 * glm::dvec3(1, 0, 0.503)), 0, 1e-4);
-}
-
-TEST_F(Gltf, SpecularAndGlossiness) {
-    const auto model = load(with_material(
-        R"({"extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[0.5,0.25,1,0.75],)"
-        R"("specularFactor":[0.2,0.1,0],"glossinessFactor":0.6}}})"));
-    ASSERT_TRUE(model.ok()) << model.status().message();
-    EXPECT_TRUE(model->notes.empty());
-    EXPECT_EQ(material_of(*model).base.a, 0.75);
-    const Lobes lobes = middle_of(*model).lobes;
-    EXPECT_NEAR(glm::distance(lobes.facing, glm::dvec3(0.2, 0.1, 0)), 0, 1e-12);
-    EXPECT_NEAR(glm::distance(lobes.diffuse, glm::dvec3(0.5, 0.25, 1) * (0.8 / 0.96)), 0, 1e-6);
-    EXPECT_NEAR(lobes.alpha, 0.16, 1e-9);
-    Model textured = *model;
-    textured.images.push_back({1, 1, {{255, 0, 188, 51}}});
-    textured.materials[textured.triangles[0].material].metal_roughness_texture.image = 0;
-    const Lobes sampled = middle_of(textured).lobes;
-    EXPECT_NEAR(glm::distance(sampled.facing, glm::dvec3(0.2, 0, 0)), 0, 1e-4);
-    EXPECT_NEAR(sampled.alpha, std::pow(1 - 0.6 * 0.2, 2), 1e-9);
-}
-
-TEST_F(Gltf, UnlitMaterialsEmitTheirColour) {
-    const auto model =
-        load(with_material(R"({"pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,1,1]},)"
-                           R"("extensions":{"KHR_materials_unlit":{}}})"));
-    ASSERT_TRUE(model.ok()) << model.status().message();
-    EXPECT_TRUE(model->notes.empty());
-    Model bright = *model;
-    bright.materials[bright.triangles[0].material].unlit_light = 3.0;
-    const LitPoint point = middle_of(bright);
-    EXPECT_NEAR(glm::distance(point.emission, glm::dvec3(1.5, 0.75, 3)), 0, 1e-6);
-    EXPECT_EQ(point.lobes.diffuse, glm::dvec3(0.0));
-    EXPECT_EQ(fresnel(point.lobes, 0.0), glm::dvec3(0.0));
-    const auto rays = RayModel::make(bright);
-    ASSERT_TRUE(rays.ok());
-    EXPECT_NEAR((*rays)->emission({0, {0.2, 0.2}}).x, 1.5, 1e-6);
-    EXPECT_TRUE(Emitters(*rays).empty());
 }
 
 // Lamps move and grow with the model, whose radius becomes 3.5.
@@ -323,6 +210,29 @@ TEST_F(Gltf, LightsArePlacedAndScaled) {
     EXPECT_EQ(from_axis(0.51), 0);
     const double share = (std::cos(0.4) - std::cos(0.5)) / (std::cos(0.2) - std::cos(0.5));
     EXPECT_NEAR(from_axis(0.4), share * share, 1e-4);
+}
+
+// Cameras move with the model, whose radius becomes 3.5, and have different names.
+TEST_F(Gltf, CamerasAreNamedAndPlaced) {
+    GltfText text;
+    text.nodes = R"({"mesh":0,"children":[1,2,3,4]},)"
+                 R"({"camera":0,"name":"front","translation":[0.5,0.5,2]},)"
+                 R"({"camera":0,"name":"front","translation":[0.5,0.5,0],)"
+                 R"("rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[2,2,2]},)"
+                 R"({"camera":0},{"camera":1})";
+    text.more = R"(,"cameras":[{"type":"perspective","perspective":{"yfov":0.5,"znear":0.1}},)"
+                R"({"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"zfar":9,"znear":0}}])";
+    const Model model = load_with_note(text, "skipped 1 camera without a perspective");
+    ASSERT_EQ(model.cameras.size(), 3u);
+    const ModelCamera& front = model.cameras[0];
+    EXPECT_EQ(front.name, "front");
+    EXPECT_NEAR(glm::distance(front.eye, {0, 0, 2 * 3.5 / std::sqrt(0.5)}), 0, 1e-5);
+    EXPECT_NEAR(glm::distance(front.forward, {0, 0, -1}), 0, 1e-9);
+    EXPECT_NEAR(glm::distance(front.up, {0, 1, 0}), 0, 1e-9);
+    EXPECT_NEAR(front.fov, 28.6478897565, 1e-9);
+    EXPECT_EQ(model.cameras[1].name, "front (2)");
+    EXPECT_NEAR(glm::distance(model.cameras[1].up, {-1, 0, 0}), 0, 1e-9); // turned about z
+    EXPECT_EQ(model.cameras[2].name, "camera 2");
 }
 
 // A view that meshoptimizer compressed, beside a buffer that only stands in for its bytes.

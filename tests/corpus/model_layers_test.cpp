@@ -144,6 +144,46 @@ TEST(ModelLayers, CoverageFollowsAlphaMasks) {
         EXPECT_NE(other.role, LayerRole::coverage);
 }
 
+// A clear wall shows the light behind it in the layer of emission; a clear coat adds to the mirror,
+// and sheen to diffuse light.
+TEST(ModelLayers, CoatsBecomeTheNearestLobes) {
+    Model model = ball_model(8);
+    ModelMaterial& m = model.materials[0];
+    m.metal = 0.0;
+    m.base = {0, 0, 0, 1};
+    m.roughness = 0.8;
+    m.coats = ModelCoats{};
+    m.coats->clear = 1.0;
+    m.coats->sheen = {0.0, 0.5, 0.0};
+    m.coats->sheen_roughness = 1.0;
+    ModelLayersOptions options = quick();
+    options.texels = 1000;
+    options.light.diffuse_samples = 8;
+    const auto mean = [&](LayerRole role, std::size_t channel) {
+        const ModelLayers layers = baked(model, white_light(), options);
+        const LayerTexture& texture = layer(layers, role);
+        double sum = 0, count = 0;
+        for (std::size_t i = 0; i < texture.mask.size(); ++i)
+            if (texture.mask[i] != std::byte{0}) {
+                const int code =
+                    std::to_integer<int>(texture.texels[i * texture.desc.channels + channel]);
+                sum += role == LayerRole::roughness ? code / 255.0
+                                                    : texture.scale * srgb_to_linear(code / 255.0);
+                ++count;
+            }
+        return sum / count;
+    };
+    EXPECT_NEAR(mean(LayerRole::specular, 0), 0.075, 0.006);
+    EXPECT_NEAR(mean(LayerRole::roughness, 0), 0.38, 0.03); // between 0.8 and 0.03
+    EXPECT_GT(mean(LayerRole::diffuse, 1), 0.1);
+    EXPECT_LT(mean(LayerRole::diffuse, 0), 0.01);
+    m.coats = ModelCoats{};
+    m.coats->through = 1.0;
+    m.base = {0.5, 0.5, 0.5, 1};
+    m.reflectance = m.specular = m.roughness = 0.0;
+    EXPECT_NEAR(mean(LayerRole::emission, 0), 0.5, 0.03);
+}
+
 // The bytes depend on the arguments only.
 TEST(ModelLayers, DoNotDependOnThreads) {
     const ModelLight light{std::make_shared<const Environment>(Environment::studio()), {}};

@@ -96,8 +96,8 @@ TEST_F(Models, HostileGltfIsRefused) {
     cycle.nodes = R"({"children":[1]},{"children":[0]})";
     refuse("cycle.gltf", cycle.text(), ErrorCode::invalid_file, "below itself");
     GltfText extension;
-    extension.more = R"(,"extensionsRequired":["KHR_texture_basisu"])";
-    refuse("ext.gltf", extension.text(), ErrorCode::unsupported, "KHR_texture_basisu");
+    extension.more = R"(,"extensionsRequired":["KHR_animation_pointer"])";
+    refuse("ext.gltf", extension.text(), ErrorCode::unsupported, "KHR_animation_pointer");
     GltfText draco;
     draco.primitive =
         R"(,"extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{"POSITION":0}}})";
@@ -276,7 +276,8 @@ TEST_F(Models, MaterialsOfObj) {
                           triangle + "usemtl unknown\n" + triangle);
     ASSERT_TRUE(model.ok()) << model.status().message();
     ASSERT_EQ(model->triangles.size(), 6u);
-    EXPECT_TRUE(model->notes.empty());
+    EXPECT_EQ(model->notes,
+              std::vector<std::string>{"d (1 material) is not supported and is ignored"});
     const auto material = [&](std::size_t i) {
         return model->materials[model->triangles[i].material];
     };
@@ -328,7 +329,7 @@ TEST_F(Models, NamesOfPicturesInMtl) {
     EXPECT_EQ(m.normal_texture.image, 0);
     EXPECT_EQ(model->notes,
               std::vector<std::string>{
-                  "map_bump of heights (1 material) is not supported and is ignored"});
+                  "map_bump (1 material) is grey and is taken for heights, which become normals"});
 }
 
 // A binary PPM of 1x1 or more pixels of one colour.
@@ -349,7 +350,8 @@ TEST_F(Models, RoughnessMetalAndBumpOfObj) {
                   "map_Bump -bm 1.5 normal.ppm\n");
     auto model = load("a.obj", triangle);
     ASSERT_TRUE(model.ok()) << model.status().message();
-    EXPECT_TRUE(model->notes.empty());
+    EXPECT_EQ(model->notes,
+              std::vector<std::string>{"map_bump (1 material) is blue and is taken for normals"});
     const ModelMaterial& both = model->materials[model->triangles[0].material];
     EXPECT_EQ(both.roughness, 1.0); // the maps replace the numbers
     EXPECT_EQ(both.metal, 1.0);
@@ -365,10 +367,56 @@ TEST_F(Models, RoughnessMetalAndBumpOfObj) {
     ASSERT_TRUE(model.ok()) << model.status().message();
     const ModelMaterial& one = model->materials[model->triangles[0].material];
     EXPECT_EQ(one.roughness, 0.25);
-    EXPECT_LT(one.normal_texture.image, 0);
+    const Image& flat = model->images[static_cast<std::size_t>(one.normal_texture.image)];
+    EXPECT_EQ(flat.texels[0], (std::array<std::uint8_t, 4>{128, 128, 255, 255}));
+}
+
+// Heights that rise to the right and, in the picture, downwards.
+TEST_F(Models, BumpMapsOfHeightsBecomeNormals) {
+    file("h.pgm", "P2 3 2 255\n0 51 102\n51 102 153\n");
+    file("a.mtl", "newmtl m\nbump -bm 2 h.pgm\nnewmtl n\nbump -bm 2 h.pgm\n");
+    const auto model = load("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                     "usemtl m\nf 1 2 3\nusemtl n\nf 1 3 2\n");
+    ASSERT_TRUE(model.ok()) << model.status().message();
     EXPECT_EQ(model->notes,
-              std::vector<std::string>{
-                  "map_bump of heights (1 material) is not supported and is ignored"});
+              std::vector<std::string>{"map_bump (2 materials) is grey and is taken for heights, "
+                                       "which become normals"});
+    EXPECT_EQ(model->images.size(), 2u); // both materials share it
+    const ModelMaterial& m = model->materials[model->triangles[0].material];
+    EXPECT_EQ(m.normal_scale, 1.0);
+    const Image& normals = model->images[static_cast<std::size_t>(m.normal_texture.image)];
+    // In the middle of the first row the heights rise by 0.2 a texel; both neighbours above and
+    // below are the same row.
+    const glm::dvec3 n = glm::normalize(glm::dvec3(-0.4, 0.0, 1.0));
+    for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(normals.texels[1][c], 127.5 + 127.5 * n[static_cast<glm::length_t>(c)], 1.0);
+    file("tall.pgm", "P2 1 3 255\n0 51 102\n");
+    file("a.mtl", "newmtl m\nbump tall.pgm\n");
+    const auto tall = load("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+    ASSERT_TRUE(tall.ok());
+    const Image& up = tall->images[static_cast<std::size_t>(
+        tall->materials[tall->triangles[0].material].normal_texture.image)];
+    // It rises downwards, so the normal points upwards.
+    EXPECT_NEAR(up.texels[1][1], 127.5 + 127.5 * glm::normalize(glm::dvec3(0, 0.2, 1)).y, 1.0);
+}
+
+// Statements that change nothing are not named.
+TEST_F(Models, TransparencyOfMtlIsNamedAndClearCoatsAreRead) {
+    const std::string triangle = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    file("a.mtl", "newmtl m\nTf 1 1 1\nd 1.0\nTr 0\nPs 0\naniso 0\nPc 0.5\nPcr 0.25\n");
+    auto model = load("a.obj", triangle);
+    ASSERT_TRUE(model.ok()) << model.status().message();
+    EXPECT_TRUE(model->notes.empty());
+    const auto& coats = model->materials[model->triangles[0].material].coats;
+    ASSERT_TRUE(coats);
+    EXPECT_EQ(coats->clear, 0.5);
+    EXPECT_EQ(coats->clear_roughness, 0.25);
+    file("a.mtl", "newmtl m\nTf 0.5 1 1\nd 0.5\nTr 0.5\nPs 1\n");
+    model = load("a.obj", triangle);
+    ASSERT_TRUE(model.ok());
+    EXPECT_EQ(model->notes.size(), 4u);
+    EXPECT_FALSE(model->materials[model->triangles[0].material].coats);
+    EXPECT_EQ(model->notes[1], "ps (1 material) is not supported and is ignored");
 }
 
 TEST_F(Models, FilesOfOtherKindsAreNamed) {

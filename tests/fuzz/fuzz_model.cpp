@@ -29,7 +29,7 @@ std::vector<Bytes> seeds() {
     with_material.more =
         R"(,"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1],"metallicFactor":0.5}}])";
     corpus::support::GltfText extended;
-    extended.nodes = R"({"mesh":0,"extensions":{"KHR_lights_punctual":{"light":0}}})";
+    extended.nodes = R"({"mesh":0,"camera":0,"extensions":{"KHR_lights_punctual":{"light":0}}})";
     extended.primitive = R"(,"material":0)";
     extended.more =
         R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","range":3,"color":[1,0,1],)"
@@ -37,7 +37,12 @@ std::vector<Bytes> seeds() {
         R"("KHR_materials_unlit":{},"KHR_materials_ior":{"ior":2},"KHR_materials_specular":{)"
         R"("specularFactor":0.5,"specularColorFactor":[1,0.5,0]},)"
         R"("KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[1,0,0,1],)"
-        R"("glossinessFactor":0.5}}}])";
+        R"("glossinessFactor":0.5},"KHR_materials_clearcoat":{"clearcoatFactor":1},)"
+        R"("KHR_materials_sheen":{"sheenColorFactor":[1,0,1]},"KHR_materials_iridescence":{)"
+        R"("iridescenceFactor":1,"iridescenceThicknessMaximum":300},"KHR_materials_anisotropy":{)"
+        R"("anisotropyStrength":1},"KHR_materials_transmission":{"transmissionFactor":1},)"
+        R"("KHR_materials_volume":{"thicknessFactor":1,"attenuationDistance":2}}}],)"
+        R"("cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":1}}])";
     corpus::support::GltfText compressed; // a sequence of indices by meshoptimizer
     compressed.views = R"(,{"buffer":1,"byteLength":12,"extensions":{"EXT_meshopt_compression":{)"
                        R"("buffer":2,"byteLength":8,"byteStride":4,"count":3,"mode":"INDICES"}}})";

@@ -1,5 +1,7 @@
 // Tests the verb bake on scenes and models with their own surfaces.
 #include "tests/support/cli_fixture.h"
+#include "tests/support/model_files.h"
+#include "tools/picture/picture.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -89,6 +91,66 @@ TEST_F(BakeVerb, SaysThatAMaterialFileIsMissing) {
     EXPECT_EQ(o.code, 0);
     EXPECT_EQ(o.err, "tessera bake: warning: the material file 'gone.mtl' is missing; its "
                      "materials are grey (in roof.obj)\n");
+}
+
+// The camera lies on its side, so the green half of the triangles is on the right of its picture.
+TEST_F(BakeVerb, CamerasOfTheModelSeeItsTexture) {
+    tessera::corpus::support::GltfText text;
+    text.positions = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+    text.indices = {0, 1, 2, 0, 2, 3};
+    text.buffers = R"(,{"byteLength":48,"uri":"data:application/octet-stream;base64,)" +
+                   tessera::corpus::support::base64_of(
+                       std::vector<float>{1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0}) +
+                   R"("})";
+    text.views = R"(,{"buffer":2,"byteLength":48})";
+    text.accessors = R"(,{"bufferView":2,"componentType":5126,"type":"VEC3","count":4})";
+    text.attributes = R"(,"COLOR_0":2)";
+    text.primitive = R"(,"material":0)";
+    text.nodes = R"({"mesh":0,"children":[1,2]},{"name":"Side cam","camera":0,)"
+                 R"("translation":[0,0,2],"rotation":[0,0,0.7071067811865476,0.7071067811865476]},)"
+                 R"({"name":"Other","camera":0,"translation":[0,0,2]})";
+    text.more = R"(,"materials":[{"extensions":{"KHR_materials_unlit":{}}}],)"
+                R"("cameras":[{"type":"perspective","perspective":{"yfov":0.6,"znear":0.1}}])";
+    spit(at("cams.gltf"), text.text());
+    succeed("bake cams.gltf --density 4 --directions 1x1 --tile 8x8x1x1 --spp 1 --effort 0 -q "
+            "-o a.tess");
+    succeed("render a.tess -o v.png --camera \"Side cam\" --pixels 20x20 -q");
+    const auto picture = tessera::read_png(at("v.png"));
+    ASSERT_TRUE(picture.ok());
+    const auto colour = [&](std::size_t x, std::size_t y, std::size_t c) {
+        return std::to_integer<int>(picture->rgb[3 * (y * 20 + x) + c]);
+    };
+    EXPECT_GT(colour(15, 10, 1), colour(15, 10, 0) + 40);
+    EXPECT_GT(colour(4, 10, 0), colour(4, 10, 1) + 40);
+    const Json info = json("info a.tess --json");
+    ASSERT_EQ(info["cameras"].size(), 2u);
+    EXPECT_EQ(info["cameras"][0]["name"], "Side cam");
+    EXPECT_NEAR(info["cameras"][0]["fov"], 34.3775, 1e-3);
+    fail(1, "render a.tess -o v.png --camera Sidecam",
+         {"a.tess", "Sidecam", "'Side cam', 'Other'"});
+    fail(1, "render a.tess -o v.png --camera Other --eye 1,2,3", {"--camera", "--eye"});
+    fail(1, "render --scene composed -o v.png --camera Other", {"--camera", ".tess"});
+    spit(at("roof.obj"), roof);
+    succeed("bake roof.obj --density 1 --directions 1x1 --tile 8x8x1x1 --spp 1 --effort 0 -q "
+            "-o b.tess");
+    fail(1, "render b.tess -o v.png --camera Other", {"b.tess", "the file has no cameras"});
+}
+
+// What layers approximate of a material is said, once a kind.
+TEST_F(BakeVerb, LayersNameWhatTheyApproximate) {
+    tessera::corpus::support::GltfText text;
+    text.primitive = R"(,"material":0)";
+    text.more = R"(,"materials":[{"extensions":{"KHR_materials_clearcoat":{"clearcoatFactor":1},)"
+                R"("KHR_materials_transmission":{"transmissionFactor":1}}}])";
+    spit(at("coat.gltf"), text.text());
+    const std::string bake =
+        "bake coat.gltf --texels 1024 --lights 1 --spp 1 --effort 0 -o a.tess ";
+    const Json whole = json(bake + "--layered --json");
+    ASSERT_EQ(whole["warnings"].size(), 2u);
+    EXPECT_EQ(whole["warnings"][0]["warning"], "in layers a clear coat joins the mirror below it");
+    EXPECT_EQ(whole["warnings"][1]["warning"],
+              "in layers transmitted light is the same for all views");
+    fail(5, bake + "--layered --strict", {"coat.gltf", "clear coat"});
 }
 
 TEST_F(BakeVerb, RefusesOptionsThatDoNotGoTogether) {

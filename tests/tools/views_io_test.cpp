@@ -208,6 +208,12 @@ TEST_F(ViewsIo, KeepsNamesThatBeginAtOne) {
     ViewsFacts facts;
     ASSERT_TRUE(open_views(at("v"), {}, facts).ok());
     EXPECT_EQ(facts.layout.pattern, "b\303\274hne_{n:4+1}.png");
+    // A .tess keeps them, unless they are not UTF-8.
+    EXPECT_EQ(open_texture(at("v"), {})->metadata.at(views_key), "names:b\303\274hne_{n:4+1}.png");
+    fs::create_directories(at("latin"));
+    for (unsigned n = 1; n <= 4; ++n)
+        put("latin/b\374hne_" + std::to_string(n) + ".png", n);
+    EXPECT_FALSE(open_texture(at("latin"), {})->metadata.contains(views_key));
     const auto found = texels();
     ASSERT_TRUE(error_.ok()) << error_.message();
     const auto sink = create_views(at("w"), desc_, {}, facts.layout, 1);
@@ -241,6 +247,23 @@ TEST_F(ViewsIo, ReadsKindsThatAreNotWritten) {
     hints.type = SampleType::half16;
     ASSERT_TRUE(open_views(at("v"), hints, facts).ok());
     EXPECT_EQ(facts.layout.pattern, "x{n+1}.exr");
+    // TGA is recognised by its name, and where that is missing by its footer.
+    const auto tga = [](char sample) {
+        const char header[] = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 3, 0, 24, 0};
+        return std::string(header, sizeof header) + std::string(36, sample);
+    };
+    fs::create_directories(at("tga"));
+    for (unsigned n = 1; n <= 4; ++n)
+        spit(at("tga/x" + std::to_string(n) + ".tga"), tga(static_cast<char>(10 * n)));
+    const auto of_tga = texels({}, "tga");
+    ASSERT_TRUE(error_.ok()) << error_.message();
+    EXPECT_EQ(desc_.size, (Extent4{4, 3, 2, 2}));
+    EXPECT_TRUE(of_tga == found);
+    spit(at("quilt.png"), tga('\x07') + std::string(8, '\0') + "TRUEVISION-XFILE." + '\0');
+    TextureHints two;
+    two.views.quilt = ViewGrid{2, 1};
+    texels(two, "quilt.png");
+    EXPECT_TRUE(error_.ok()) << error_.message();
     // One such picture is a mosaic, whatever its name says.
     spit(at("quilt.raw"), "P5 4 3 255\n" + std::string(12, '\x07'));
     fs::rename(at("quilt.raw"), at("quilt.png"));

@@ -85,6 +85,7 @@ Result<LitModelFile> load_lit_model(const std::string& path, const ModelArgument
     change_materials(a, file.model);
     TESSERA_TRY_ASSIGN(file.light, make_light(a));
     file.light.lamps = file.model.lamps;
+    file.cameras = file.model.cameras;
     file.display = {a.exposure ? *a.exposure : usual_exposure(file.light), SampleType::unorm8};
     for (corpus::ModelMaterial& m : file.model.materials)
         m.unlit_light = 1.0 / file.display.exposure; // so that it shows its base colour

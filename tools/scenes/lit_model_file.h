@@ -25,6 +25,7 @@ struct ModelArguments {
 struct LitModelFile {
     corpus::Model model;
     corpus::ModelLight light;
+    std::vector<corpus::ModelCamera> cameras; // those of the model, which may move away
     corpus::Display display;
 };
 

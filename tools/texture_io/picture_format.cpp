@@ -22,7 +22,7 @@ PictureKind picture_kind_of_name(std::string_view name) {
         {".exr", PictureKind::exr},   {".tif", PictureKind::tiff}, {".tiff", PictureKind::tiff},
         {".webp", PictureKind::webp}, {".ppm", PictureKind::pnm},  {".pgm", PictureKind::pnm},
         {".pnm", PictureKind::pnm},   {".pfm", PictureKind::pfm},  {".bmp", PictureKind::bmp},
-        {".hdr", PictureKind::hdr}};
+        {".hdr", PictureKind::hdr},   {".tga", PictureKind::tga}};
     const auto* const known =
         std::ranges::find(endings, ending, &std::pair<std::string_view, PictureKind>::first);
     return known != std::end(endings) ? known->second : PictureKind::none;

@@ -5,6 +5,7 @@
 #include "tools/http/open_bytes.h"
 #include "tools/support/camera_grid.h"
 #include "tools/support/fill_text.h"
+#include "tools/support/json_text.h"
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/standard_streams.h"
@@ -90,6 +91,7 @@ TextureKind kind_of_content(ByteSource& file) {
         return TextureKind::exr;
     case corpus::PictureKind::none:
     case corpus::PictureKind::bmp:
+    case corpus::PictureKind::tga:
     case corpus::PictureKind::pnm:
     case corpus::PictureKind::pfm:
         return TextureKind::unknown;
@@ -157,6 +159,11 @@ Status open_tess(std::unique_ptr<ByteSource> bytes, const TextureHints& hints,
     return {};
 }
 
+// JSON replaces bytes that are not.
+bool is_utf8(const std::string& text) {
+    return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)) == text;
+}
+
 void take_facts(const ViewsFacts& facts, OpenedTexture& opened) {
     opened.description = facts.description;
     if (facts.told.empty())
@@ -166,8 +173,7 @@ void take_facts(const ViewsFacts& facts, OpenedTexture& opened) {
     opened.planar = !facts.described && std::uint64_t{size[axis_s]} * size[axis_t] > 1;
     const std::string layout = to_string(facts.layout);
     // Metadata is UTF-8, but file names may hold any bytes.
-    const auto is_ascii = [](char c) { return c >= ' ' && c <= '~'; };
-    if (!layout.empty() && std::ranges::all_of(layout, is_ascii))
+    if (!layout.empty() && is_utf8(layout) && printable(layout) == layout)
         opened.metadata[views_key] = layout;
     if (!facts.layout.cameras.empty())
         opened.metadata[cameras_key] = facts.layout.cameras;

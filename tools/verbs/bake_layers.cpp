@@ -103,6 +103,28 @@ Status write_file(const std::string& path, std::span<const std::byte> bytes) {
     return write_bytes(path, bytes);
 }
 
+// Names what layers only approximate, once for each material that a triangle has.
+Status warn_of_coats(const corpus::Model& model, const std::string& path, Warnings& warnings) {
+    std::vector<bool> is_used(model.materials.size(), false);
+    for (const corpus::ModelTriangle& triangle : model.triangles)
+        is_used[triangle.material] = true;
+    for (std::size_t i = 0; i < model.materials.size(); ++i) {
+        const auto& coats = model.materials[i].coats;
+        if (!is_used[i] || !coats)
+            continue;
+        const bool has_sheen = coats->sheen != glm::dvec3(0.0);
+        for (const auto& [has, what] :
+             {std::pair(coats->clear > 0.0, "a clear coat joins the mirror below it"),
+              std::pair(has_sheen, "sheen joins diffuse light"),
+              std::pair(coats->anisotropy > 0.0, "highlights are equally long in all directions"),
+              std::pair(coats->film > 0.0, "iridescence has one colour"),
+              std::pair(coats->through > 0.0, "transmitted light is the same for all views")})
+            if (has)
+                TESSERA_TRY(warnings.add(std::string("in layers ") + what, path));
+    }
+    return {};
+}
+
 } // namespace
 
 Status bake_layered(const BakeCommand& a) {
@@ -121,6 +143,7 @@ Status bake_layered(const BakeCommand& a) {
             TESSERA_TRY(warnings.add("highlights of lamps that are not directional are missing "
                                      "from layers",
                                      a.scene));
+    TESSERA_TRY(warn_of_coats(file.model, a.scene, warnings));
     TESSERA_TRY_ASSIGN(const corpus::Model model,
                        corpus::with_both_sides(std::move(file.model)).with_context(a.scene));
     corpus::ModelLayersOptions options = layer_options(a, wish, file.display.exposure);

@@ -6,6 +6,7 @@
 #include "tools/support/option_checks.h"
 #include "tools/support/parse.h"
 #include "tools/support/source_facts.h"
+#include "tools/view/model_cameras.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -90,6 +91,8 @@ model_facts(const BakeCommand& a, const LitModelFile& file, double density,
         all += (all.empty() ? "" : "; ") + note;
     if (!all.empty())
         facts.emplace_back("notes", all);
+    if (!file.cameras.empty())
+        facts.emplace_back("model cameras", cameras_text(file.cameras));
     for (auto& fact : facts_of(a.model, file))
         facts.push_back(std::move(fact));
     return facts;

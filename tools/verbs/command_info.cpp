@@ -9,6 +9,7 @@
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
 #include "tools/view/layer_files.h"
+#include "tools/view/model_cameras.h"
 
 #include <algorithm>
 #include <glm/common.hpp>
@@ -186,7 +187,8 @@ Json for_people(Json json, const Metadata& metadata) {
         if (key == "metadata") {
             if (const std::string made = made_text(metadata); !made.empty())
                 out["made"] = made;
-            for (const char* shown : {software_key, made_rate_key, made_effort_key})
+            for (const char* shown :
+                 {software_key, made_rate_key, made_effort_key, model_cameras_key})
                 value.erase(shown);
         }
         out[key] = value;
@@ -237,6 +239,10 @@ Result<Json> describe_tess(const InfoCommand& a) {
         return with_partial_hint(file.status(), *bytes, decode);
     TESSERA_TRY_ASSIGN(const auto tiles, file->summarise_tiles());
     Json json = tess_json(a.input, *file, tiles);
+    TESSERA_TRY_ASSIGN(const auto cameras,
+                       model_cameras_in(file->metadata()).with_context(a.input));
+    for (const corpus::ModelCamera& camera : cameras)
+        json["cameras"].push_back({{"name", camera.name}, {"fov", camera.fov}});
     if (file->layers().any()) {
         TESSERA_TRY_ASSIGN(const auto further, open_layers(*bytes, *file, decode));
         json["layers"] = layers_json(*file, further);

@@ -226,6 +226,8 @@ Status run(const RenderCommand& a) {
     TESSERA_TRY_ASSIGN(auto plan, plan_all(a, warnings));
     TESSERA_TRY(check_outputs(a, plan));
     TESSERA_TRY(check_device(a, plan));
+    if (!a.views.camera.empty() && a.stage.file.empty())
+        return {ErrorCode::bad_argument, "--camera needs a .tess file that was baked from a model"};
     if (a.frames && a.stage.via != "feedback")
         return {ErrorCode::bad_argument, "--frames belongs to --via feedback"};
     Stage stage;
@@ -241,7 +243,11 @@ Status run(const RenderCommand& a) {
                 corpus::PixelFilter::parse(a.pixel_filter).with_context("--pixel-filter"));
         }
         TESSERA_TRY_ASSIGN(stage, set_up_stage(a.stage, options));
-        if (stage.planar && a.views.cameras.empty()) {
+        if (!a.views.camera.empty()) {
+            TESSERA_TRY_ASSIGN(plan, plan_camera(a.views, stage.decoder->container().metadata())
+                                         .with_context(a.stage.file));
+        }
+        if (stage.planar && a.views.camera.empty() && a.views.cameras.empty()) {
             TESSERA_TRY_ASSIGN(plan, plan_views(a.views, stage.planar->cameras, stage.desc.size));
         }
         steps.set_count(plan.size() * stage.renderers());
@@ -298,11 +304,15 @@ void declare_camera(CLI::App& c, RenderCommand& a) {
                               "Numbered frames around the vertical line through --look",
                               CLI::Range(1u, 100000u))
                       ->excludes(views);
+    auto* camera = group.option("--camera", "NAME", r.camera,
+                                "A camera of the glTF file that was baked; info lists them");
+    for (CLI::Option* other : {eye, look, fov, views, orbit})
+        camera->excludes(other);
     auto* cameras =
         group.option("--cameras", "FILE or FOLDER", r.cameras,
                      "The cameras of photographs: a transforms.json of NeRF or nerfstudio, or a "
                      "COLMAP model. The pictures get the photographs' names and sizes");
-    for (CLI::Option* other : {eye, look, fov, pixels, views, orbit})
+    for (CLI::Option* other : {eye, look, fov, pixels, views, orbit, camera})
         cameras->excludes(other);
     group
         .option("--scale", "FACTOR", r.scale, "The pictures' size relative to the photographs'",
@@ -399,6 +409,7 @@ void add_render_command(CLI::App& app, Invocation& chosen) {
         "  tessera render scene.tess -o view.png --eye 8,3,-6\n"
         "  tessera render scene.tess -o v.png --views paper --truth composed --sheet sheet.png\n"
         "  tessera render bunny.tess -o v.png --views paper --truth bunny.glb\n"
+        "  tessera render room.tess -o v.png --camera Camera.001\n"
         "  tessera render scene.tess -o frame.png --orbit 120 --pixels 1280x720 --via feedback\n"
         "  tessera render suzi.tess -o drawn/ --cameras suzi/transforms_test.json\n"
         "  tessera render http://host/scene.tess -o v.png --via feedback --frames\n"

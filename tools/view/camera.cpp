@@ -64,8 +64,10 @@ Result<Camera> make_camera(const CameraPose& pose, const Lens& lens) {
     camera.width = lens.width;
     camera.height = lens.height;
     const bool vertical = std::hypot(camera.forward.x, camera.forward.z) < 1e-9;
-    const glm::dvec3 upwards = vertical ? glm::dvec3{0.0, 0.0, camera.forward.y > 0 ? 1.0 : -1.0}
-                                        : glm::dvec3{0.0, 1.0, 0.0};
+    const bool has_up = glm::length(glm::cross(camera.forward, pose.up)) > 1e-9;
+    const glm::dvec3 upwards = has_up     ? pose.up
+                               : vertical ? glm::dvec3{0.0, 0.0, camera.forward.y > 0 ? 1.0 : -1.0}
+                                          : glm::dvec3{0.0, 1.0, 0.0};
     const glm::dvec3 right = glm::normalize(glm::cross(camera.forward, upwards));
     const double half_height = std::tan(lens.fov * radians / 2);
     camera.right = right * (half_height * lens.width / lens.height);
@@ -107,7 +109,7 @@ Result<std::vector<CameraPose>> orbit(const CameraPose& start, unsigned count) {
         const double angle = 2 * std::numbers::pi * i / count;
         const double c = std::cos(angle), s = std::sin(angle);
         const glm::dvec3 turned{arm.x * c + arm.z * s, arm.y, arm.z * c - arm.x * s};
-        poses.push_back({start.look + turned, start.look});
+        poses.push_back({start.look + turned, start.look, start.up});
     }
     return poses;
 }

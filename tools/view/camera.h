@@ -17,6 +17,7 @@ namespace tessera {
 struct CameraPose {
     glm::dvec3 eye{10.0, 0.0, 0.0};
     glm::dvec3 look{0.0}; // the point that the camera looks at
+    glm::dvec3 up{0.0};   // 0: as below
 };
 
 constexpr std::uint32_t max_picture_side = 16384; // pixels
@@ -29,7 +30,7 @@ struct Lens {
 // A ray through the point (x, y) of the picture, which ranges from (-1, -1) at the bottom left to
 // (1, 1) at the top right, has the direction forward + x * right + y * up.
 //
-// The picture's up is +y. A camera that looks straight down (-y) has -z as its up, and one that
+// The picture's up is +y unless the pose has its own. A camera that looks straight down (-y) has -z as its up, and one that
 // looks straight up (+y) has +z. In both cases right is +x.
 struct Camera {
     glm::dvec3 eye, forward, right, up;

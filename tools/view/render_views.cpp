@@ -78,6 +78,16 @@ Result<std::vector<PlannedView>> plan_views(const ViewRequest& request) {
     return plan;
 }
 
+Result<std::vector<PlannedView>> plan_camera(const ViewRequest& request, const Metadata& metadata) {
+    TESSERA_TRY_ASSIGN(const NamedCamera found, find_camera(metadata, request.camera));
+    Lens lens;
+    lens.fov = found.fov;
+    if (!request.size.empty())
+        TESSERA_TRY(parse_picture_size(request.size, lens));
+    TESSERA_TRY_ASSIGN(const auto camera, make_camera(found.pose, lens));
+    return std::vector<PlannedView>{{request.camera, camera, request.output}};
+}
+
 Result<std::vector<PlannedView>> plan_views(const ViewRequest& request, const CameraGrid& cameras,
                                             const Extent4& size) {
     ViewRequest from_cameras = request;

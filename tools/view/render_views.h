@@ -3,7 +3,7 @@
 
 #include "corpus/photographs/photograph.h"
 #include "tools/support/camera_grid.h"
-#include "tools/view/camera.h"
+#include "tools/view/model_cameras.h"
 
 #include <optional>
 #include <string>
@@ -13,6 +13,7 @@ namespace tessera {
 
 struct ViewRequest {
     std::string eye, look; // "x,y,z"; empty: the defaults of CameraPose
+    std::string camera;    // of the file, by name; empty: eye and look
     std::string size;      // of the picture, "WxH"; empty: the default of Lens
     double fov = 45;       // vertical, degrees
     std::string views;     // "paper" or the number of one of its views; empty: eye and look
@@ -34,6 +35,9 @@ struct PlannedView {
 
 // Errors: bad_argument (text that cannot be parsed, or an impossible camera).
 Result<std::vector<PlannedView>> plan_views(const ViewRequest& request);
+
+// The same from the camera of the file that the request names. Errors: those of find_camera().
+Result<std::vector<PlannedView>> plan_camera(const ViewRequest& request, const Metadata& metadata);
 
 // The same for planar views. Without look, views and orbit the picture shows their whole window.
 // The default of request.eye is the centre of the camera grid.

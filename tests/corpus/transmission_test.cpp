@@ -1,0 +1,181 @@
+// Tests light that passes walls and volumes.
+#include "corpus/trace/tracer.h"
+#include "tests/support/model_files.h"
+
+namespace tessera::corpus {
+namespace {
+
+using namespace support;
+
+// A material that mirrors nothing and lets light pass, tinted.
+ModelMaterial glass(const glm::dvec3& tint, double ior) {
+    ModelMaterial m;
+    m.base = glm::dvec4(tint, 1.0);
+    m.metal = 0.0;
+    m.roughness = 0.0;
+    m.ior = ior;
+    const double root = (ior - 1.0) / (ior + 1.0);
+    m.reflectance = root * root;
+    m.specular = ior == 1.0 ? 0.0 : 1.0;
+    m.coats = ModelCoats{};
+    m.coats->through = 1.0;
+    return m;
+}
+
+// A square of side 2 * size at this height, seen from above or, `down`, from below.
+void add_square(Model& model, float size, float height, bool down, std::uint32_t material) {
+    const auto first = static_cast<std::uint32_t>(model.vertices.size());
+    for (int i = 0; i < 4; ++i) {
+        ModelVertex v;
+        v.position = {i % 2 ? size : -size, height, i / 2 ? size : -size};
+        v.normal = {0, down ? -1 : 1, 0};
+        model.vertices.push_back(v);
+    }
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        if (down)
+            std::swap(b, c);
+        model.triangles.push_back({{first + a, first + b, first + c}, material});
+    };
+    add(0, 2, 1);
+    add(1, 2, 3);
+}
+
+Tracer tracer_of(const Model& model, ModelLight light) {
+    auto rays = RayModel::make(model);
+    EXPECT_TRUE(rays.ok());
+    return Tracer(std::move(*rays), std::move(light));
+}
+
+// The mean light that an observer at `eye` sees along `way`.
+glm::dvec3 seen(const Tracer& tracer, const glm::dvec3& eye, const glm::dvec3& way,
+                unsigned count = 2048) {
+    const auto hit = tracer.model().first_hit(eye, way);
+    if (!hit)
+        return tracer.light().environment->light(way);
+    const LitPoint p = Tracer::facing(tracer.model().point(*hit), -way);
+    glm::dvec3 sum(0.0);
+    for (unsigned i = 0; i < count; ++i) {
+        PathRandom random(4, i);
+        sum += tracer.leaving(p, -way, random) / static_cast<double>(count);
+    }
+    return sum;
+}
+
+const glm::dvec3 below{0, -1, 0};
+
+TEST(Transmission, ThinWallsTintLightOnce) {
+    Model model;
+    model.materials = {glass({0.5, 0.25, 1.0}, 1.0)};
+    add_square(model, 2, 0, false, 0);
+    const glm::dvec3 found = seen(tracer_of(model, white_light()), {0.3, 5, 0.2}, below);
+    EXPECT_NEAR(glm::distance(found, glm::dvec3(0.5, 0.25, 1.0)), 0, 1e-3);
+    // Two walls, the second one hit by a path.
+    add_square(model, 2, -1, false, 0);
+    const glm::dvec3 twice = seen(tracer_of(model, white_light()), {0.3, 5, 0.2}, below);
+    EXPECT_NEAR(glm::distance(twice, glm::dvec3(0.25, 0.0625, 1.0)), 0, 0.03);
+}
+
+// What passes and what is mirrored add up to all light, for smooth and rough walls.
+TEST(Transmission, WhiteWallsLoseLittle) {
+    for (const double roughness : {0.0, 0.4})
+        for (const double ior : {1.0, 1.5}) {
+            Model model;
+            model.materials = {glass(glm::dvec3(1.0), ior)};
+            model.materials[0].roughness = roughness;
+            add_square(model, 2, 0, false, 0);
+            const Tracer tracer = tracer_of(model, white_light());
+            const double found =
+                seen(tracer, {0.3, 5, 0.2}, glm::normalize(glm::dvec3(0.2, -1, 0))).x;
+            EXPECT_LT(found, 1.01) << roughness << " " << ior;
+            EXPECT_GT(found, 0.93) << roughness << " " << ior;
+        }
+}
+
+Model glass_ball(double ior) {
+    Model model = ball_model(32);
+    model.materials[0] = glass(glm::dvec3(1.0), ior);
+    model.materials[0].coats->is_volume = true;
+    return model;
+}
+
+TEST(Transmission, AGlassBallInWhiteLightIsWhite) {
+    const Tracer tracer = tracer_of(glass_ball(1.5), white_light());
+    for (const double height : {0.0, 1.5, 2.5}) {
+        const double found = seen(tracer, {9, height, 0.1}, {-1, 0, 0}).x;
+        EXPECT_LT(found, 1.01) << height;
+        EXPECT_GT(found, 0.95) << height;
+    }
+}
+
+// A ball of glass turns what is behind it upside down.
+TEST(Transmission, VolumesBendLight) {
+    LightImage sky{64, 64, {}};
+    for (int i = 0; i < 64 * 64; ++i)
+        sky.texels.emplace_back(i < 32 * 64 ? 1.0f : 0.0f);
+    const ModelLight light{std::make_shared<const Environment>(sky), {}};
+    const auto up_and_down = [&](const Model& model) {
+        const Tracer tracer = tracer_of(model, light);
+        return glm::dvec2(seen(tracer, {9, 1.5, 0}, {-1, 0, 0}, 512).x,
+                          seen(tracer, {9, -1.5, 0}, {-1, 0, 0}, 512).x);
+    };
+    const glm::dvec2 bent = up_and_down(glass_ball(1.5));
+    EXPECT_LT(bent.x, 0.15);
+    EXPECT_GT(bent.y, 0.8);
+    const glm::dvec2 straight = up_and_down(glass_ball(1.0));
+    EXPECT_NEAR(straight.x, straight.y, 0.1);
+}
+
+// Light that goes 4 units through the cube loses half of it every 2 units.
+TEST(Transmission, VolumesAbsorbByTheWay) {
+    Model model = cube_model();
+    model.materials[0] = glass(glm::dvec3(1.0), 1.0);
+    ModelCoats& coats = *model.materials[0].coats;
+    coats.is_volume = true;
+    coats.attenuation = {0.5, 1.0, 0.1};
+    coats.attenuation_distance = 2.0;
+    const glm::dvec3 found = seen(tracer_of(model, white_light()), {0.3, 9, 0.2}, {0, -1, 0});
+    EXPECT_NEAR(glm::distance(found, glm::dvec3(0.25, 1.0, 0.01)), 0, 0.02);
+    // What is within it is seen through half of it.
+    model.materials.emplace_back();
+    model.materials[1].base = {0, 0, 0, 1};
+    model.materials[1].metal = 1.0;
+    model.materials[1].emission = glm::dvec3(1.0);
+    add_square(model, 1, 0, false, 1);
+    const glm::dvec3 within =
+        seen(tracer_of(model, {uniform_environment(0.0f), {}}), {0.3, 9, 0.2}, {0, -1, 0});
+    EXPECT_NEAR(glm::distance(within, glm::dvec3(0.5, 1.0, 0.1)), 0, 0.02);
+}
+
+// A floor below a clear wall: its light is that without the wall, tinted, from all kinds of lights.
+TEST(Transmission, ClearWallsCastTintedShadows) {
+    Model floor;
+    floor.materials.resize(3);
+    floor.materials[0].metal = 0.0;
+    floor.materials[0].roughness = 1.0;
+    floor.materials[1] = glass({0.5, 0.25, 1.0}, 1.0);
+    floor.materials[2].base = {0, 0, 0, 1};
+    floor.materials[2].emission = {4, 3, 2};
+    add_square(floor, 3, 0, false, 0);
+    Model lamp = floor;
+    add_square(lamp, 1, 2, true, 2);
+    const ModelLamp bulb{.kind = ModelLamp::Kind::point, .position = {0, 3, 0}};
+    const auto dark = uniform_environment(0.0f);
+    const std::pair<Model, ModelLight> cases[] = {{floor, white_light()},
+                                                  {floor, {dark, Sun{{0, 1, 0}, glm::dvec3(1.0)}}},
+                                                  {floor, {dark, {}, {bulb}}},
+                                                  {lamp, {dark, {}}}};
+    for (const auto& [model, light] : cases) {
+        Model shaded = model;
+        add_square(shaded, 100, 1, false, 1);
+        add_square(shaded, 100, 1, true, 1);
+        const glm::dvec3 eye{0.4, 0.5, 0.3}; // below the wall
+        const glm::dvec3 bare = seen(tracer_of(model, light), eye, below);
+        const glm::dvec3 found = seen(tracer_of(shaded, light), eye, below);
+        const glm::dvec3 expected = bare * glm::dvec3(0.5, 0.25, 1.0);
+        EXPECT_GT(bare.x, 0.02);
+        EXPECT_NEAR(glm::distance(found, expected), 0, 0.03 * glm::length(expected));
+    }
+}
+
+} // namespace
+} // namespace tessera::corpus
