@@ -1,5 +1,6 @@
 // Tests models that are baked into layers.
 #include "corpus/layers/distant_lights.h"
+#include "corpus/layers/environment_layer.h"
 #include "corpus/layers/model_layers.h"
 #include "corpus/trace/path_random.h"
 #include "tests/support/model_files.h"
@@ -142,6 +143,66 @@ TEST(ModelLayers, CoverageFollowsAlphaMasks) {
     EXPECT_NEAR(covered[1] / (covered[0] + covered[1]), 0.5, 0.05);
     for (const LayerTexture& other : baked(cube_model(), white_light(), quick()).layers)
         EXPECT_NE(other.role, LayerRole::coverage);
+}
+
+// Only smooth surfaces get a layer of the environment: one lobe if all are equally smooth.
+TEST(ModelLayers, SmoothSurfacesMirrorTheEnvironment) {
+    Model model = ball_model(8);
+    model.materials[0].metal = 1;
+    const auto lobes = [&](double roughness) {
+        model.materials[0].roughness = roughness;
+        ModelLayersOptions options = quick();
+        options.texels = 1000;
+        options.light.diffuse_samples = 1;
+        const ModelLayers layers = baked(model, white_light(), options);
+        const LayerTexture& last = layers.layers.back();
+        return last.role == LayerRole::environment ? last.desc.size[axis_u] : 0u;
+    };
+    EXPECT_EQ(lobes(0.1), 1u);
+    EXPECT_EQ(lobes(0.5), 0u);
+    LayerTexture specular = make_layer(LayerRole::specular, {4, 1, 1, 1}, 3),
+                 roughness = make_layer(LayerRole::roughness, {4, 1, 1, 1}, 1);
+    for (std::size_t i = 0; i < 3; ++i) { // the fourth is masked
+        store_values(specular, i, {1.0, 0.5, 0.5});
+        store_values(roughness, i, {0.1 + 0.05 * static_cast<double>(i)});
+    }
+    const std::vector<LayerTexture> material{specular, roughness};
+    EXPECT_EQ(environment_lobes(material), (std::vector<double>{0.05, 0.1, 0.2}));
+    EXPECT_TRUE(environment_lobes(std::span(material).first(1)).empty());
+}
+
+// A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one keeps.
+TEST(EnvironmentLayer, LobesBlurTheEnvironment) {
+    const auto light_at = [](const LayerTexture& layer, std::size_t texel) {
+        const double root = srgb_to_linear(std::to_integer<int>(layer.texels[3 * texel]) / 255.0);
+        return layer.scale * root * root;
+    };
+    const auto uniform = bake_environment_layer(*uniform_environment(0.7f), std::vector{0.05, 0.8},
+                                                {.directions = 6, .exposure = 2.0}, {});
+    ASSERT_TRUE(uniform.ok());
+    ASSERT_EQ(uniform->desc.size, (Extent4{2, 1, 6, 6}));
+    for (std::size_t i = 0; i < 72; ++i)
+        EXPECT_NEAR(light_at(*uniform, i), 1.4, 0.01) << i;
+    // Light from above only: white where y > 0.
+    LightImage image;
+    image.width = 4;
+    image.height = 64;
+    for (std::size_t i = 0; i < 4 * 64; ++i)
+        image.texels.emplace_back(i < 4 * 32 ? 1.0f : 0.0f);
+    const auto half =
+        bake_environment_layer(Environment(image), std::vector{0.05, 0.8}, {.directions = 16}, {});
+    ASSERT_TRUE(half.ok());
+    // The middle of the map is the direction +y, its corners are -y; on the diagonal between them
+    // the fourth texel is just below the horizon.
+    const auto at = [&](std::size_t lobe, std::size_t s, std::size_t t) {
+        return light_at(*half, (lobe * 16 + t) * 16 + s);
+    };
+    EXPECT_NEAR(at(0, 8, 8), 1.0, 0.02);
+    EXPECT_NEAR(at(0, 0, 0), 0.0, 0.02);
+    EXPECT_LT(at(0, 3, 3), 0.02);
+    EXPECT_GT(at(1, 3, 3), 0.15);
+    EXPECT_GT(at(0, 4, 4), 0.98);
+    EXPECT_LT(at(1, 4, 4), 0.85);
 }
 
 // The bytes depend on the arguments only.
