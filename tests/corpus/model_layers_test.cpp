@@ -1,6 +1,7 @@
 // Tests models that are baked into layers.
 #include "corpus/layers/distant_lights.h"
 #include "corpus/layers/environment_layer.h"
+#include "corpus/layers/layer_trial.h"
 #include "corpus/layers/model_layers.h"
 #include "corpus/trace/path_random.h"
 #include "tests/support/model_files.h"
@@ -220,6 +221,34 @@ TEST(ModelLayers, DoNotDependOnThreads) {
         EXPECT_TRUE(one.layers[i].texels == two.layers[i].texels);
         EXPECT_TRUE(one.layers[i].mask == two.layers[i].mask);
     }
+}
+
+// A matte body and a convex mirror lose nothing, a mirror beside another thing does.
+TEST(LayerTrial, FindsSharpReflections) {
+    const ModelLight light = white_light();
+    const auto decibels = [&](const Model& model) {
+        const auto trial = try_layers(model, light, {});
+        EXPECT_TRUE(trial.ok()) << trial.status().message();
+        return trial.ok() ? trial->decibels : 0.0;
+    };
+    Model mirror = ball_model(12);
+    mirror.materials[0].metal = 1;
+    mirror.materials[0].roughness = 0;
+    EXPECT_EQ(decibels(mirror), 100);
+    Model two = mirror; // a ball beside the other one
+    const auto count = static_cast<std::uint32_t>(two.vertices.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        two.vertices.push_back(two.vertices[i]);
+        two.vertices.back().position.x += 6.5f;
+    }
+    for (ModelTriangle triangle : mirror.triangles) {
+        for (std::uint32_t& vertex : triangle.vertices)
+            vertex += count;
+        two.triangles.push_back(triangle);
+    }
+    EXPECT_LT(decibels(two), 40);
+    two.materials[0].roughness = 0.6;
+    EXPECT_EQ(decibels(two), 100);
 }
 
 TEST(ModelLayers, CanBeInterrupted) {
