@@ -19,19 +19,20 @@ namespace TESSERA_PUBLIC tessera {
 
 // What a layer holds. The numbers are those of FORMAT.md 1.7.
 enum class LayerRole : std::uint8_t {
-    diffuse = 0,    // the light that leaves the surface diffusely
-    emission = 1,   // the light that it emits
-    specular = 2,   // reflectance at normal incidence
-    roughness = 3,  // 0 is a mirror
-    normal = 4,     // x and y of the bumped normal in the frame of the mesh
-    visibility = 5, // the share of each light that reaches the surface
-    reflection = 6, // the light that arrives from mirrored directions
-    coverage = 7,   // where it is below least_coverage, there is no surface
+    diffuse = 0,     // the light that leaves the surface diffusely
+    emission = 1,    // the light that it emits
+    specular = 2,    // reflectance at normal incidence
+    roughness = 3,   // 0 is a mirror
+    normal = 4,      // x and y of the bumped normal in the frame of the mesh
+    visibility = 5,  // the share of each light that reaches the surface
+    reflection = 6,  // the light that arrives from mirrored directions
+    coverage = 7,    // where it is below least_coverage, there is no surface
+    environment = 8, // distant light from mirrored directions, in lobes of roughness along u
 };
 template <>
-inline constexpr std::array<const char*, 8> value_names<LayerRole>{
-    "diffuse", "emission",   "specular",   "roughness",
-    "normal",  "visibility", "reflection", "coverage"};
+inline constexpr std::array<const char*, 9> value_names<LayerRole>{
+    "diffuse",    "emission",   "specular", "roughness",  "normal",
+    "visibility", "reflection", "coverage", "environment"};
 
 inline constexpr double least_coverage = 0.5;
 
@@ -98,6 +99,23 @@ glm::dvec3 facing_normal(const glm::dvec3& normal, const glm::dvec3& view);
 // The sample of the layer `visibility` for each light if nothing blocks it, in 0..1. It grows with the
 // light's irradiance, so that errors of dim lights cost few bits.
 std::vector<double> visibility_peaks(std::span<const DistantLight> lights);
+
+// The specular light of several lights at a place, per channel.
+struct LightSum {
+    glm::dvec3 points{0.0};    // of lights without spread
+    glm::dvec3 patches{0.0};   // of the other lights
+    glm::dvec3 unblocked{0.0}; // of those, if nothing blocked them
+
+    // Adds `specular`, the light of a light that is not blocked, of which the share `seen` arrives.
+    void add(const DistantLight& light, const glm::dvec3& specular, double seen);
+    // The share of the environment that is not blocked.
+    glm::dvec3 share_seen() const;
+    // All light, where `environment` is that of the layer, times the reflectance for it.
+    glm::dvec3 with_environment(const glm::dvec3& environment, double roughness) const;
+};
+
+// The texel along u of a layer of the environment, of so many lobes, for a roughness.
+double environment_lobe(double roughness, std::uint32_t lobes);
 
 // How a place reflects light towards an observer. All vectors have unit length and point away from
 // the surface.

@@ -3,6 +3,7 @@
 #include "corpus/model/model.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tessera::corpus {
 namespace {
@@ -32,7 +33,10 @@ void store_values(LayerTexture& layer, std::size_t texel, std::initializer_list<
     layer.mask[texel] = std::byte{1};
 }
 
-void store_light(LayerTexture& layer, const LightTexels& light, double most) {
+namespace {
+
+template <class Stored>
+void store_as(LayerTexture& layer, const LightTexels& light, double most, const Stored& stored) {
     double brightest = least_scale;
     for (const glm::vec3& x : light)
         brightest = std::max(brightest, static_cast<double>(std::max({x.x, x.y, x.z})));
@@ -41,7 +45,17 @@ void store_light(LayerTexture& layer, const LightTexels& light, double most) {
     for (std::size_t i = 0; i < light.size(); ++i)
         for (glm::length_t c = 0; c < 3; ++c)
             layer.texels[3 * i + static_cast<std::size_t>(c)] =
-                to_unorm8(linear_to_srgb(static_cast<double>(light[i][c]) / layer.scale));
+                to_unorm8(stored(static_cast<double>(light[i][c]) / layer.scale));
+}
+
+} // namespace
+
+void store_light(LayerTexture& layer, const LightTexels& light, double most) {
+    store_as(layer, light, most, linear_to_srgb);
+}
+
+void store_wide_light(LayerTexture& layer, const LightTexels& light, double most) {
+    store_as(layer, light, most, [](double x) { return linear_to_srgb(std::sqrt(x)); });
 }
 
 } // namespace tessera::corpus

@@ -31,5 +31,7 @@ using LightTexels = std::vector<glm::vec3>;
 
 // Stores light as sRGB, with the scale such that nothing above `most` is clipped.
 void store_light(LayerTexture& layer, const LightTexels& light, double most);
+// The same for light that spans a wide range: as sRGB of the root.
+void store_wide_light(LayerTexture& layer, const LightTexels& light, double most);
 
 } // namespace tessera::corpus

@@ -1,6 +1,7 @@
 #include "corpus/layers/model_layers.h"
 
 #include "corpus/layers/distant_lights.h"
+#include "corpus/layers/environment_layer.h"
 #include "corpus/layers/light_layers.h"
 #include "corpus/layers/material_layers.h"
 
@@ -79,6 +80,13 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     TESSERA_TRY_ASSIGN(LayerTexture reflected,
                        bake_reflection_layer(coarse, places, tracer, reflection, options.run));
     out.layers.push_back(std::move(reflected));
+    const std::vector<double> lobes = environment_lobes(out.layers);
+    if (!lobes.empty() && !out.lights.empty()) {
+        TESSERA_TRY_ASSIGN(LayerTexture environment,
+                           bake_environment_layer(*light.environment, lobes,
+                                                  {.exposure = options.exposure}, options.run));
+        out.layers.push_back(std::move(environment));
+    }
     return out;
 }
 

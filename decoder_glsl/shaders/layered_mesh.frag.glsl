@@ -1,8 +1,8 @@
 // Fragments of a mesh whose file has layers (FORMAT.md 5.6), as display values. The host defines
 // TESSERA_TEXTURES and, for each layer besides the diffuse one, which is texture 0, a macro with the
 // number of its texture: TESSERA_LAYER_EMISSION, _SPECULAR, _ROUGHNESS, _NORMAL, _VISIBILITY,
-// _REFLECTION and _COVERAGE. TESSERA_LIGHTS is the number of lights; it is not defined if there are
-// none. With TESSERA_COVERAGE_ONLY, the program is for the pass that draws depths.
+// _REFLECTION, _COVERAGE and _ENVIRONMENT. TESSERA_LIGHTS is the number of lights; it is not defined
+// if there are none. With TESSERA_COVERAGE_ONLY, the program is for the pass that draws depths.
 #include "sample.glsl"
 #include "layers.glsl"
 
@@ -88,8 +88,16 @@ float tsr_seen(TsrImages images, ivec3 light) {
 }
 #endif
 
+// Dimmer lights give no highlight. Where their share decides how much of the environment is seen,
+// all but the dimmest count.
+#ifdef TESSERA_LAYER_ENVIRONMENT
+const float tsr_least_highlight = 1e-8f;
+#else
+const float tsr_least_highlight = 1e-5f;
+#endif
+
 // The specular light of all lights.
-vec3 tsr_light_of_lights(TsrReflectance reflectance, vec2 covered) {
+TsrLightSum tsr_light_of_lights(TsrReflectance reflectance, vec2 covered) {
 #ifdef TESSERA_LAYER_VISIBILITY
     tsr_select(TESSERA_LAYER_VISIBILITY);
     float mip = tsr_mip_for(tsr_texels_covered(covered));
@@ -100,24 +108,37 @@ vec3 tsr_light_of_lights(TsrReflectance reflectance, vec2 covered) {
         coarser = tsr_images(int(mip) + 1, second);
     int columns = max(tsr_four(tsr_p_size).z, 1);
 #endif
-    vec3 sum = vec3(0.0);
+    TsrLightSum sum = TsrLightSum(vec3(0.0), vec3(0.0), vec3(0.0));
     for (int j = 0; j < TESSERA_LIGHTS; ++j) {
         vec4 direction = tsr_lights[2 * j];
         vec4 irradiance = tsr_lights[2 * j + 1];
         vec3 light = tsr_light_of(reflectance,
                                   TsrLight(direction.xyz, direction.w, irradiance.xyz));
+        float share = 1.0;
 #ifdef TESSERA_LAYER_VISIBILITY
         ivec3 column = ivec3(j % columns, j / columns, 0);
         float seen = 0.0;
         // Most lights give no highlight here.
-        for (int i = max(light.x, max(light.y, light.z)) < 1e-5 ? 2 : 0;
+        for (int i = max(light.x, max(light.y, light.z)) < tsr_least_highlight ? 2 : 0;
              i < (second > 0.0 ? 2 : 1); ++i)
             seen += i == 0 ? tsr_seen(finer, column) : tsr_seen(coarser, column);
-        light *= min(seen / irradiance.w, 1.0);
+        share = min(seen / irradiance.w, 1.0);
 #endif
-        sum += light;
+        sum = tsr_with_light(sum, direction.w, light, share);
     }
     return sum;
+}
+#endif
+
+#ifdef TESSERA_LAYER_ENVIRONMENT
+// The light of the environment from the mirrored direction. frame.z: the bumped normal
+vec3 tsr_environment(TsrMeshFrame frame, vec3 view, float roughness) {
+    tsr_select(TESSERA_LAYER_ENVIRONMENT);
+    float lobes = float(tsr_four(tsr_p_size).x);
+    vec2 place = vec2((tsr_environment_lobe(roughness, lobes) + 0.5) / lobes, 0.5);
+    vec3 root = tsr_value(TESSERA_LAYER_ENVIRONMENT,
+                          tsr_sample_atlas(place, tsr_taps_towards(frame, view), vec2(0.0)));
+    return root * root / tsr_scales[TESSERA_LAYER_ENVIRONMENT].x;
 }
 #endif
 
@@ -150,10 +171,19 @@ void main() {
     reflectance.roughness = tsr_flat_value(TESSERA_LAYER_ROUGHNESS, covered).x;
 #endif
     light *= tsr_diffuse_share(reflectance);
-#ifdef TESSERA_LIGHTS
-    light += tsr_light_of_lights(reflectance, covered);
-#endif
     reflected = tsr_reflection_share(reflectance);
+#ifdef TESSERA_LIGHTS
+    TsrLightSum sum = tsr_light_of_lights(reflectance, covered);
+#ifdef TESSERA_LAYER_ENVIRONMENT
+    TsrMeshFrame mirror = frame;
+    mirror.z = normal;
+    light += tsr_with_environment(
+        sum, reflected * tsr_environment(mirror, view, reflectance.roughness),
+        reflectance.roughness);
+#else
+    light += sum.points + sum.patches;
+#endif
+#endif
 #endif
 #ifdef TESSERA_LAYER_REFLECTION
     tsr_select(TESSERA_LAYER_REFLECTION);

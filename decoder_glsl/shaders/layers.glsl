@@ -8,6 +8,10 @@ const float tsr_least_coverage = 0.5f; // below, there is no surface
 const float tsr_least_cosine = 0.02f; // between a normal and the direction to the observer
 const float tsr_least_roughness = 0.03f;
 const float tsr_spread_share = 0.75f; // of a light's spread that widens the highlight
+const float tsr_first_lobe = 0.05f;   // roughness of the first lobe of the environment
+const float tsr_sharp_roughness = 0.15f; // up to it, the environment replaces lights
+const float tsr_rough_roughness = 0.3f;  // from it on, it does not
+const float tsr_little_light = 1e-6f; // where no light is mirrored, the environment is not blocked
 
 // How a place reflects light towards an observer. All vectors have unit length and point away from
 // the surface.
@@ -107,4 +111,32 @@ vec3 tsr_reflection_share(TsrReflectance r) {
                      tsr_cubic(vec4(0.126f, 2.675f, -7.248f, 4.528f), c));
     return r.specular * clamp(tsr_cubic(scale, q), 0.0f, 1.0f) +
            vec3(clamp(tsr_cubic(bias, q), 0.0f, 1.0f));
+}
+
+// The lobe of the layer of the environment for a roughness, as the number of a texel along u.
+float tsr_environment_lobe(float roughness, float lobes) {
+    return clamp(log2(max(roughness, tsr_first_lobe) / tsr_first_lobe), 0.0f, lobes - 1.0f);
+}
+
+// The specular light of several lights.
+struct TsrLightSum {
+    vec3 points;    // of lights without spread
+    vec3 patches;   // of the other lights
+    vec3 unblocked; // of those, if nothing blocked them
+};
+
+// `specular`: the light of a light that is not blocked, of which the share `seen` arrives
+TsrLightSum tsr_with_light(TsrLightSum sum, float spread, vec3 specular, float seen) {
+    float patched = spread > 0.0f ? 1.0f : 0.0f;
+    return TsrLightSum(sum.points + (1.0f - patched) * seen * specular,
+                       sum.patches + patched * seen * specular,
+                       sum.unblocked + patched * specular);
+}
+
+// All light, where `environment` is that of the layer, times the reflectance for it.
+vec3 tsr_with_environment(TsrLightSum sum, vec3 environment, float roughness) {
+    float share = clamp((roughness - tsr_sharp_roughness) /
+                            (tsr_rough_roughness - tsr_sharp_roughness), 0.0f, 1.0f);
+    vec3 seen = (sum.patches + vec3(tsr_little_light)) / (sum.unblocked + vec3(tsr_little_light));
+    return sum.points + share * sum.patches + (1.0f - share) * seen * environment;
 }

@@ -110,8 +110,10 @@ Status check_roles(const Layers& layers) {
     }
     if (!layers.lights.empty() && !has(LayerRole::specular))
         return invalid("section LAYR: lights need a specular layer");
-    if (layers.lights.empty() && has(LayerRole::visibility))
-        return invalid("section LAYR: a visibility layer needs lights");
+    for (const LayerRole role : {LayerRole::visibility, LayerRole::environment})
+        if (layers.lights.empty() && has(role))
+            return invalid(std::string("section LAYR: a layer of role ") + name_of(role) +
+                           " needs lights");
     return {};
 }
 
@@ -126,7 +128,8 @@ const LayerInfo* Layers::find(LayerRole role) const {
 
 Status check_layer(LayerRole role, const TextureDesc& desc, const Description& description,
                    std::size_t lights) {
-    constexpr std::array<unsigned, value_names<LayerRole>.size()> channels{3, 3, 3, 1, 2, 1, 3, 1};
+    constexpr std::array<unsigned, value_names<LayerRole>.size()> channels{3, 3, 3, 1, 2,
+                                                                           1, 3, 1, 3};
     const std::string name = std::string("the ") + name_of(role) + " layer has ";
     if (desc.channels != channels[static_cast<std::size_t>(role)])
         return invalid(name + std::to_string(desc.channels) + " channels, not " +
@@ -136,7 +139,9 @@ Status check_layer(LayerRole role, const TextureDesc& desc, const Description& d
         if (directions < lights)
             return invalid(name + std::to_string(directions) + " directions for " +
                            std::to_string(lights) + " lights");
-    } else if (role == LayerRole::reflection) {
+    } else if (role == LayerRole::reflection || role == LayerRole::environment) {
+        if (role == LayerRole::environment && desc.size[axis_v] != 1)
+            return invalid(name + std::to_string(desc.size[axis_v]) + " rows of places, not 1");
         if (description.angular_map != AngularMap::octahedral_mirrored)
             return invalid(name + "not the angular map octahedral-mirrored");
     } else if (directions != 1) {

@@ -12,6 +12,11 @@ namespace {
 constexpr double least_cosine = 0.02;     // between a normal and the direction to the observer
 constexpr double least_peak = 1.0 / 51.0; // five steps of 8 bits
 constexpr double least_roughness = 0.03;
+constexpr double first_lobe = 0.05;   // roughness of the first lobe of the environment
+constexpr double little_light = 1e-6; // where no light is mirrored, the environment is not blocked
+// Up to the first roughness, the environment replaces lights with a spread, and from the second on it
+// does not: there the lights know better what is blocked (FlightHelmet: 32.7 and 29.5 dB).
+constexpr double sharp_roughness = 0.15, rough_roughness = 0.3;
 // A microfacet turns half as far as the light that it reflects. A larger share is closer to the truth,
 // because lights are patches with sharp edges (FlightHelmet: 31.4 and 31.6 dB at 0.5, 31.6 at 0.75).
 constexpr double spread_share = 0.75;
@@ -68,6 +73,30 @@ std::vector<double> visibility_peaks(std::span<const DistantLight> lights) {
     for (double& peak : peaks)
         peak = most > 0.0 ? std::max(std::sqrt(peak / most), least_peak) : 1.0;
     return peaks;
+}
+
+void LightSum::add(const DistantLight& light, const glm::dvec3& specular, double seen) {
+    if (light.spread > 0.0f) {
+        patches += specular * seen;
+        unblocked += specular;
+    } else {
+        points += specular * seen;
+    }
+}
+
+glm::dvec3 LightSum::share_seen() const {
+    return (patches + little_light) / (unblocked + little_light);
+}
+
+glm::dvec3 LightSum::with_environment(const glm::dvec3& environment, double roughness) const {
+    const double share =
+        std::clamp((roughness - sharp_roughness) / (rough_roughness - sharp_roughness), 0.0, 1.0);
+    return points + share * patches + (1.0 - share) * share_seen() * environment;
+}
+
+double environment_lobe(double roughness, std::uint32_t lobes) {
+    return std::clamp(std::log2(std::max(roughness, first_lobe) / first_lobe), 0.0,
+                      static_cast<double>(lobes) - 1.0);
 }
 
 double Reflectance::diffuse_share() const {

@@ -1,5 +1,7 @@
 // Tests models that are baked into layers.
 #include "corpus/layers/distant_lights.h"
+#include "corpus/layers/environment_layer.h"
+#include "corpus/layers/layer_trial.h"
 #include "corpus/layers/model_layers.h"
 #include "corpus/trace/path_random.h"
 #include "tests/support/model_files.h"
@@ -184,6 +186,66 @@ TEST(ModelLayers, CoatsBecomeTheNearestLobes) {
     EXPECT_NEAR(mean(LayerRole::emission, 0), 0.5, 0.03);
 }
 
+// Only smooth surfaces get a layer of the environment: one lobe if all are equally smooth.
+TEST(ModelLayers, SmoothSurfacesMirrorTheEnvironment) {
+    Model model = ball_model(8);
+    model.materials[0].metal = 1;
+    const auto lobes = [&](double roughness) {
+        model.materials[0].roughness = roughness;
+        ModelLayersOptions options = quick();
+        options.texels = 1000;
+        options.light.diffuse_samples = 1;
+        const ModelLayers layers = baked(model, white_light(), options);
+        const LayerTexture& last = layers.layers.back();
+        return last.role == LayerRole::environment ? last.desc.size[axis_u] : 0u;
+    };
+    EXPECT_EQ(lobes(0.1), 1u);
+    EXPECT_EQ(lobes(0.5), 0u);
+    LayerTexture specular = make_layer(LayerRole::specular, {4, 1, 1, 1}, 3),
+                 roughness = make_layer(LayerRole::roughness, {4, 1, 1, 1}, 1);
+    for (std::size_t i = 0; i < 3; ++i) { // the fourth is masked
+        store_values(specular, i, {1.0, 0.5, 0.5});
+        store_values(roughness, i, {0.1 + 0.05 * static_cast<double>(i)});
+    }
+    const std::vector<LayerTexture> material{specular, roughness};
+    EXPECT_EQ(environment_lobes(material), (std::vector<double>{0.05, 0.1, 0.2}));
+    EXPECT_TRUE(environment_lobes(std::span(material).first(1)).empty());
+}
+
+// A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one keeps.
+TEST(EnvironmentLayer, LobesBlurTheEnvironment) {
+    const auto light_at = [](const LayerTexture& layer, std::size_t texel) {
+        const double root = srgb_to_linear(std::to_integer<int>(layer.texels[3 * texel]) / 255.0);
+        return layer.scale * root * root;
+    };
+    const auto uniform = bake_environment_layer(*uniform_environment(0.7f), std::vector{0.05, 0.8},
+                                                {.directions = 6, .exposure = 2.0}, {});
+    ASSERT_TRUE(uniform.ok());
+    ASSERT_EQ(uniform->desc.size, (Extent4{2, 1, 6, 6}));
+    for (std::size_t i = 0; i < 72; ++i)
+        EXPECT_NEAR(light_at(*uniform, i), 1.4, 0.01) << i;
+    // Light from above only: white where y > 0.
+    LightImage image;
+    image.width = 4;
+    image.height = 64;
+    for (std::size_t i = 0; i < 4 * 64; ++i)
+        image.texels.emplace_back(i < 4 * 32 ? 1.0f : 0.0f);
+    const auto half =
+        bake_environment_layer(Environment(image), std::vector{0.05, 0.8}, {.directions = 16}, {});
+    ASSERT_TRUE(half.ok());
+    // The middle of the map is the direction +y, its corners are -y; on the diagonal between them
+    // the fourth texel is just below the horizon.
+    const auto at = [&](std::size_t lobe, std::size_t s, std::size_t t) {
+        return light_at(*half, (lobe * 16 + t) * 16 + s);
+    };
+    EXPECT_NEAR(at(0, 8, 8), 1.0, 0.02);
+    EXPECT_NEAR(at(0, 0, 0), 0.0, 0.02);
+    EXPECT_LT(at(0, 3, 3), 0.02);
+    EXPECT_GT(at(1, 3, 3), 0.15);
+    EXPECT_GT(at(0, 4, 4), 0.98);
+    EXPECT_LT(at(1, 4, 4), 0.85);
+}
+
 // The bytes depend on the arguments only.
 TEST(ModelLayers, DoNotDependOnThreads) {
     const ModelLight light{std::make_shared<const Environment>(Environment::studio()), {}};
@@ -199,6 +261,34 @@ TEST(ModelLayers, DoNotDependOnThreads) {
         EXPECT_TRUE(one.layers[i].texels == two.layers[i].texels);
         EXPECT_TRUE(one.layers[i].mask == two.layers[i].mask);
     }
+}
+
+// A matte body and a convex mirror lose nothing, a mirror beside another thing does.
+TEST(LayerTrial, FindsSharpReflections) {
+    const ModelLight light = white_light();
+    const auto decibels = [&](const Model& model) {
+        const auto trial = try_layers(model, light, {});
+        EXPECT_TRUE(trial.ok()) << trial.status().message();
+        return trial.ok() ? trial->decibels : 0.0;
+    };
+    Model mirror = ball_model(12);
+    mirror.materials[0].metal = 1;
+    mirror.materials[0].roughness = 0;
+    EXPECT_EQ(decibels(mirror), 100);
+    Model two = mirror; // a ball beside the other one
+    const auto count = static_cast<std::uint32_t>(two.vertices.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        two.vertices.push_back(two.vertices[i]);
+        two.vertices.back().position.x += 6.5f;
+    }
+    for (ModelTriangle triangle : mirror.triangles) {
+        for (std::uint32_t& vertex : triangle.vertices)
+            vertex += count;
+        two.triangles.push_back(triangle);
+    }
+    EXPECT_LT(decibels(two), 40);
+    two.materials[0].roughness = 0.6;
+    EXPECT_EQ(decibels(two), 100);
 }
 
 TEST(ModelLayers, CanBeInterrupted) {

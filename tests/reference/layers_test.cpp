@@ -31,10 +31,12 @@ Bytes joined_layers() {
     const Bytes diffuse = small_layer({20, 17, 1, 1}, 3, AngularMap::none),
                 specular = small_layer({20, 17, 1, 1}, 3, AngularMap::none),
                 visibility = small_layer({5, 5, 2, 1}, 1, AngularMap::none),
-                reflection = small_layer({2, 3, 4, 4}, 3, AngularMap::octahedral_mirrored);
+                reflection = small_layer({2, 3, 4, 4}, 3, AngularMap::octahedral_mirrored),
+                environment = small_layer({3, 1, 8, 8}, 3, AngularMap::octahedral_mirrored);
     const std::vector<LayerFile> further{{LayerRole::specular, 1.0f, specular},
                                          {LayerRole::visibility, 1.0f, visibility},
-                                         {LayerRole::reflection, 3.0f, reflection}};
+                                         {LayerRole::reflection, 3.0f, reflection},
+                                         {LayerRole::environment, 9.0f, environment}};
     const std::vector<DistantLight> lights{{{0.6f, 0.8f, 0}, 0.1f, {1, 2, 3}},
                                            {{0, 0, -1}, 0, {0, 1, 0.5f}}};
     const auto file = join_layers(diffuse, 0.75f, further, lights);
@@ -134,12 +136,18 @@ TEST(LayerAgreement, ShadingIsTheSame) {
         Reflectance own{.view = view};
         own.normal = facing_normal(bumped_normal(frame, (samples * 255.0 - 128.0) / 127.0), view);
         own.specular = {unit(), unit(), unit()};
-        own.roughness = unit();
-        const glm::dvec3 diffuse(unit(), unit(), unit()), reflected(unit(), 5 * unit(), unit());
+        own.roughness = unit() * unit();
+        lights[2].spread = 0;
+        const bool mirrors = i % 2 == 1; // has a layer of the environment
+        const glm::dvec3 diffuse(unit(), unit(), unit()), reflected(unit(), 5 * unit(), unit()),
+            environment(unit(), 9 * unit(), unit());
         glm::dvec3 light = diffuse * own.diffuse_share() + own.of_reflection() * reflected;
         const auto peaks = visibility_peaks(lights);
+        LightSum sum;
         for (std::size_t j = 0; j < lights.size(); ++j)
-            light += own.of(lights[j]) * std::min(1.0, seen[j] / peaks[j]);
+            sum.add(lights[j], own.of(lights[j]), std::min(1.0, seen[j] / peaks[j]));
+        light += mirrors ? sum.with_environment(own.of_reflection() * environment, own.roughness)
+                         : sum.points + sum.patches;
 
         reference::LayerValues values;
         values.D = vector_of(diffuse);
@@ -147,6 +155,8 @@ TEST(LayerAgreement, ShadingIsTheSame) {
         values.R = vector_of(reflected);
         values.r = own.roughness;
         values.has_specular = values.has_normal = true;
+        values.has_environment = mirrors;
+        values.X = vector_of(environment);
         values.a = samples.x;
         values.b = samples.y;
         values.x = seen;

@@ -73,6 +73,8 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
         m = std::max({m, l.irradiance[0], l.irradiance[1], l.irradiance[2]});
     for (std::size_t i = 0; i < 3; ++i)
         light[i] += f * values.D[i] + share(c, q, values.G[i]) * values.R[i];
+    const double w = std::clamp((values.r - 0.15) / 0.15, 0.0, 1.0);
+    Vector seen{}, whole{}; // of the lights that the environment stands for
     for (std::size_t j = 0; j < values.lights.size(); ++j) {
         const Light& l = values.lights[j];
         const double nl = scalar_product(n, l.direction), nd = scalar_product(n, d);
@@ -94,9 +96,17 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
         for (std::size_t i = 0; i < 3; ++i) {
             const double F = values.G[i] + (1 - values.G[i]) *
                                                std::pow(1 - std::max(0.0, scalar_product(d, h)), 5);
-            light[i] += V * F * Q * W * nl * l.irradiance[i];
+            const double S = F * Q * W * nl * l.irradiance[i];
+            const bool replaced = values.has_environment && l.spread > 0;
+            seen[i] += replaced ? V * S : 0;
+            whole[i] += replaced ? S : 0;
+            light[i] += (replaced ? w : 1) * V * S;
         }
     }
+    if (values.has_environment)
+        for (std::size_t i = 0; i < 3; ++i)
+            light[i] += (1 - w) * (1e-6 + seen[i]) / (1e-6 + whole[i]) * share(c, q, values.G[i]) *
+                        values.X[i];
     return light;
 }
 
@@ -138,13 +148,13 @@ LayerTable read_layers(Bytes section, uint64_t index_end, uint64_t file_size) {
     require(is_scale(table.scale), "LAYR: scale");
     require(section.size() == 8 + 20 * count + 14 * lights, "LAYR: length");
     uint64_t firsts = 0, datas = 0;
-    std::vector<bool> has(8, false);
+    std::vector<bool> has(9, false);
     has[0] = true;
     for (size_t i = 0; i < count; ++i) {
         const Bytes entry = section.subspan(8 + 20 * i, 20);
         const LayerTable::Further layer{
             u8(entry, 0), f32(entry, 4), u32(entry, 8), u64(entry, 12), 0, 0};
-        if (layer.role > 7)
+        if (layer.role > 8)
             throw Refusal{"LAYR: unknown role"};
         require(u8(entry, 1) == 0 && u8(entry, 2) == 0 && u8(entry, 3) == 0, "LAYR: bytes 1..3");
         require(is_scale(layer.scale), "LAYR: scale");
@@ -156,8 +166,9 @@ LayerTable read_layers(Bytes section, uint64_t index_end, uint64_t file_size) {
         require(datas <= file_size && firsts <= file_size, "LAYR: bytes");
         table.further.push_back(layer);
     }
-    require(has[2] || (!has[3] && !has[4] && !has[5] && lights == 0), "LAYR: role 2 is missing");
-    require(lights > 0 || !has[5], "LAYR: role 5 needs lights");
+    require(has[2] || (!has[3] && !has[4] && !has[5] && !has[8] && lights == 0),
+            "LAYR: role 2 is missing");
+    require(lights > 0 || (!has[5] && !has[8]), "LAYR: roles 5 and 8 need lights");
     for (size_t i = 0; i < lights; ++i)
         table.lights.push_back(read_light(section.subspan(8 + 20 * count + 14 * i, 14)));
     require(index_end <= file_size && firsts + datas <= file_size - index_end,

@@ -19,7 +19,8 @@ struct Light {
 struct LayerValues {
     Vector D{}, E{}, G{}, R{};
     double r = 1;
-    bool has_specular = false, has_normal = false;
+    bool has_specular = false, has_normal = false, has_environment = false;
+    Vector X{};              // of the environment
     double a = 0, b = 0;     // samples of the layer of normals
     std::vector<double> x{}; // samples of the visibility, one for each light; empty: no layer
     std::vector<Light> lights{};

@@ -56,7 +56,8 @@ const std::string roof = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 1 0\nv 1 
 
 TEST_F(BakeVerb, ModelsLookLikeTheirTruth) {
     spit(at("roof.obj"), roof);
-    const std::string lit = "bake roof.obj --light 1,2,1 --exposure 0.3 --roughness 0.6 --metal 0 ";
+    const std::string lit =
+        "bake roof.obj --single --light 1,2,1 --exposure 0.3 --roughness 0.6 --metal 0 ";
     succeed(lit + "--density 6 --directions 4x4 --tile 8x8x4x4 --spp 16 --effort 0 -q -o a.tess");
     const std::string view = " -o v.png --eye 9,6,5 --pixels 80x60 ";
     const auto psnr = [&](const std::string& file, const std::string& more) {
@@ -68,7 +69,8 @@ TEST_F(BakeVerb, ModelsLookLikeTheirTruth) {
     EXPECT_GT(right, 30);
     EXPECT_EQ(psnr("a.tess", "--threads 1"), right);
     // Every file holds its own light: with another light the same model gives another picture.
-    succeed("bake roof.obj --light -1,2,-1 --exposure 0.5 --roughness 0.6 --metal 0 --density 6 "
+    succeed("bake roof.obj --single --light -1,2,-1 --exposure 0.5 --roughness 0.6 --metal 0 "
+            "--density 6 "
             "--directions 4x4 --tile 8x8x4x4 --spp 4 --effort 0 -q -o b.tess");
     succeed("render a.tess" + view + "-q");
     const std::string one = slurp(at("v.png"));
@@ -86,8 +88,9 @@ TEST_F(BakeVerb, ModelsLookLikeTheirTruth) {
 
 TEST_F(BakeVerb, SaysThatAMaterialFileIsMissing) {
     spit(at("roof.obj"), "mtllib gone.mtl\n" + roof);
-    const Outcome o = run("bake roof.obj --density 1 --directions 1x1 --tile 8x8x1x1 --spp 1 "
-                          "--effort 0 -q -o a.tess");
+    const Outcome o =
+        run("bake roof.obj --single --density 1 --directions 1x1 --tile 8x8x1x1 --spp 1 "
+            "--effort 0 -q -o a.tess");
     EXPECT_EQ(o.code, 0);
     EXPECT_EQ(o.err, "tessera bake: warning: the material file 'gone.mtl' is missing; its "
                      "materials are grey (in roof.obj)\n");

@@ -44,7 +44,7 @@ std::vector<LayerDesign> designs() {
              1,
              1.0f,
              Transfer::linear,
-             [](int u, int v, int, int, int) { return 0.3 + 0.4 * waves(u, v, 0, 11); }},
+             [](int u, int v, int, int, int) { return 0.1 + 0.5 * waves(u, v, 0, 11); }},
             {LayerRole::normal,
              {64, 48, 1, 1},
              2,
@@ -68,7 +68,13 @@ std::vector<LayerDesign> designs() {
              1,
              1.0f,
              Transfer::linear,
-             [](int u, int v, int, int, int) { return waves(u, v, 0, 16) + 0.2; }}};
+             [](int u, int v, int, int, int) { return waves(u, v, 0, 16) + 0.2; }},
+            {LayerRole::environment,
+             {3, 1, 16, 16},
+             3,
+             4.0f,
+             Transfer::srgb,
+             [](int u, int, int s, int t, int c) { return waves(s + u, t, c, 9 + u); }}};
 }
 
 // In all directions, with sharp and wide highlights.
@@ -169,6 +175,7 @@ TEST_F(GpuLayers, LookAsOnTheCpu) {
         std::vector<LayerRole> roles;
         bool lit;
     } const files[] = {{{emission, specular, roughness, normal, visibility, reflection}, true},
+                       {{specular, roughness, normal, visibility, reflection, environment}, true},
                        {{specular, visibility, coverage}, true},
                        {{specular, normal, reflection}, true}, // lights that nothing blocks
                        {{emission, reflection}, false}};

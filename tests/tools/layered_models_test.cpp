@@ -81,6 +81,28 @@ TEST_F(LayeredModels, DamageIsFoundInEveryLayer) {
     fail(3, "validate cut.tess", {"cut.tess"});
 }
 
+// A trial chooses, unless an option does.
+TEST_F(LayeredModels, AreTheDefaultWhereTheyHoldTheLight) {
+    // A floor and a wall. As mirrors they show each other, which layers blur.
+    spit(at("corner.obj"), "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 2 -1\nv 1 2 -1\n"
+                           "f 4 3 2 1\nf 1 2 6 5\n");
+    const std::string quick = " --spp 1 --effort 0 -o a.tess";
+    const auto layers = [&](const std::string& options) {
+        const Outcome o = run("bake corner.obj " + options + quick);
+        EXPECT_EQ(o.code, 0) << o.err;
+        const bool layered = o.err.find("tessera bake: layers, because") == 0;
+        EXPECT_EQ(o.err.find("tessera bake: one texture, because") == 0, !layered) << o.err;
+        EXPECT_EQ(json("info a.tess --json").contains("layers"), layered);
+        return layered;
+    };
+    const std::string small = "--density 8 --directions 1x1 ";
+    EXPECT_TRUE(layers(small + "--roughness 0.4 --metal 0"));
+    EXPECT_FALSE(layers(small + "--roughness 0.4 --metal 0 --single"));
+    EXPECT_FALSE(layers(small + "--roughness 0.4 --metal 0 --tile 8x8x1x1"));
+    EXPECT_FALSE(layers(small + "--roughness 0 --metal 1"));
+    EXPECT_TRUE(layers(small + "--roughness 0 --metal 1 --texels 2000"));
+}
+
 TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
     spit(at("roof.obj"), glossy_roof);
     fail(1, "bake roof.obj --layered --target-psnr 40 -o a.tess", {"--target-psnr", "--quality"});
@@ -91,7 +113,11 @@ TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
     fail(1, "bake roof.obj --layered --angular-map octahedral-mirrored -o a.tess",
          {"--angular-map"});
     fail(1, "bake composed --layered -o a.tess", {"--layered", "model"});
-    fail(1, "bake roof.obj --lights 3 -o a.tess", {"--lights", "--layered"});
+    fail(1, "bake roof.obj --single --lights 3 -o a.tess", {"--lights", "--single"});
+    fail(1, "bake roof.obj --single --layered -o a.tess", {"--layered", "--single"});
+    fail(1, "bake roof.obj --texels 2000 --target-psnr 30 -o a.tess",
+         {"--texels", "--target-psnr"});
+    fail(1, "bake composed --single -o a.tess", {"--single", "model"});
     fail(2, "bake nowhere.obj --layered -o a.tess", {"nowhere.obj"});
     succeed("bake roof.obj --layered --texels 2000 --lights 0 --spp 1 --effort 0 -q -o a.tess");
     fail(5, "render a.tess -o v.png --via feedback", {"a.tess", "layers", "--via load"});

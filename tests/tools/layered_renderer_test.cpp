@@ -95,5 +95,36 @@ TEST(LayeredRenderer, VisibilitySelectsLights) {
     EXPECT_EQ(seen.y, 0.0);
 }
 
+// The environment takes the place of lights with a spread, as far as they are not blocked. Its lobes
+// follow the roughness.
+TEST(LayeredRenderer, EnvironmentReplacesLightsWithSpread) {
+    const std::vector<DistantLight> lights{{{0, 0, 1}, 0.3f, {0.2f, 0.2f, 0.2f}},
+                                           {{0, 0, 1}, 0.0f, {0, 0.001f, 0}}};
+    auto diffuse = picture(3, [](int, int) { return 0.0; });
+    auto specular = picture(3, [](int, int) { return 1.0; });
+    auto roughness = picture(1, [](int, int) { return 0.1; });
+    test::MemoryTexture visibility({{32, 16, 2, 1}, SampleType::unorm8, 1},
+                                   [](int, int, int s, int, int) { return s == 0 ? 0.6 : 1.0; });
+    // The lobe for 0.1 is between the second and the third of four.
+    test::MemoryTexture environment(
+        {{4, 1, 8, 8}, SampleType::unorm8, 3},
+        [](int u, int, int, int, int c) { return u >= 1 && c == 0 ? 0.4 : 0.0; });
+    const std::vector<DrawnLayer> layers{
+        {LayerRole::diffuse, 1.0, &diffuse, tile, Transfer::srgb},
+        {LayerRole::specular, 1.0, &specular, tile, Transfer::srgb},
+        {LayerRole::roughness, 1.0, &roughness, tile, Transfer::unspecified},
+        {LayerRole::visibility, 1.0, &visibility, {16, 16, 2, 1}, Transfer::unspecified},
+        {LayerRole::environment, 3.0, &environment, {4, 1, 8, 8}, Transfer::unspecified}};
+    const glm::dvec3 seen = seen_at(*renderer_of(layers, lights), 0.0);
+    Reflectance mirror;
+    mirror.specular = glm::dvec3(1.0);
+    mirror.roughness = 26.0 / 255.0;
+    const auto displayed = [](double x) { return 1.055 * std::pow(x, 1 / 2.4) - 0.055; };
+    const double share = 0.6 * mirror.of_reflection().x * 3.0 * 0.4 * 0.4;
+    EXPECT_NEAR(seen.x, displayed(share), 2e-3);
+    EXPECT_NEAR(seen.y, displayed(mirror.of(lights[1]).y), 2e-3);
+    EXPECT_EQ(seen.z, 0.0);
+}
+
 } // namespace
 } // namespace tessera

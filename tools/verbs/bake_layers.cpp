@@ -6,6 +6,7 @@
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/standard_streams.h"
+#include "tools/verbs/bake_choice.h"
 #include "tools/verbs/encode_layers.h"
 
 #include <chrono>
@@ -16,25 +17,6 @@ namespace {
 
 // Paths for each of --spp.
 constexpr unsigned paths_per_place = 8, paths_per_reflection = 4;
-
-Status check_layered(const BakeCommand& a) {
-    const EncodeArguments& e = a.encode;
-    for (const auto& [field, text] : e.description)
-        if (field != "proxy" || text != "mesh")
-            return {ErrorCode::bad_argument,
-                    "--" + field + ": does not apply to --layered, which describes its layers"};
-    for (const auto& [option, given] :
-         {std::pair("--target-psnr", e.target_psnr.has_value()),
-          std::pair("--target-bpt", e.target_bpt.has_value()),
-          std::pair("--max-error", e.max_error.has_value()), std::pair("--lossless", e.lossless),
-          std::pair("--layers", e.layers), std::pair("--resume", e.resume),
-          std::pair("--tile", !e.tile.empty())})
-        if (given)
-            return {ErrorCode::bad_argument,
-                    std::string(option) +
-                        ": does not apply to --layered; use --quality or --target-bytes"};
-    return {};
-}
 
 corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::SurfaceWish& wish,
                                          double exposure) {
@@ -127,25 +109,27 @@ Status warn_of_coats(const corpus::Model& model, const std::string& path, Warnin
 
 } // namespace
 
-Status bake_layered(const BakeCommand& a) {
-    if (!corpus::is_model_path(a.scene))
+Status check_layered(const BakeCommand& a) {
+    const std::string option = option_of_one_texture(a);
+    if (option.empty())
+        return {};
+    if (option.starts_with("--target") || option == "--max-error" || option == "--lossless")
         return {ErrorCode::bad_argument,
-                "--layered needs a model, not the built-in scene " + a.scene};
-    TESSERA_TRY(check_model(a));
-    TESSERA_TRY(check_layered(a));
+                option + ": does not apply to --layered; use --quality or --target-bytes"};
+    return {ErrorCode::bad_argument, option + ": does not apply to --layered"};
+}
+
+Status bake_layered(const BakeCommand& a, ModelToBake model) {
     const auto start = std::chrono::steady_clock::now();
     TESSERA_TRY_ASSIGN(const corpus::SurfaceWish wish, surface_wish(a));
-    TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(a.scene, a.model));
-    Warnings warnings(a.encode.strict);
-    TESSERA_TRY_ASSIGN(const std::vector<std::string> notes, take_notes(a, file.model, warnings));
+    const LitModelFile& file = model.file;
+    Warnings& warnings = *model.warnings;
     for (const corpus::ModelLamp& lamp : file.light.lamps)
         if (lamp.kind != corpus::ModelLamp::Kind::directional)
             TESSERA_TRY(warnings.add("highlights of lamps that are not directional are missing "
                                      "from layers",
                                      a.scene));
     TESSERA_TRY(warn_of_coats(file.model, a.scene, warnings));
-    TESSERA_TRY_ASSIGN(const corpus::Model model,
-                       corpus::with_both_sides(std::move(file.model)).with_context(a.scene));
     corpus::ModelLayersOptions options = layer_options(a, wish, file.display.exposure);
     corpus::ModelLayers baked;
     CodedLayers coded;
@@ -153,11 +137,12 @@ Status bake_layered(const BakeCommand& a) {
         Progress progress("tessera bake", a.texture.quiet || a.encode.json);
         options.run.progress = progress.function();
         TESSERA_TRY_ASSIGN(
-            baked, corpus::bake_model_layers(model, file.light, options).with_context(a.scene));
+            baked,
+            corpus::bake_model_layers(file.model, file.light, options).with_context(a.scene));
         TESSERA_TRY_ASSIGN(
             EncodeOptions encode,
             make_encode_options(a.encode, a.texture.threads,
-                                metadata_of(model_facts(a, file, baked.density, notes)), {}));
+                                metadata_of(model_facts(a, file, baked.density, model.notes)), {}));
         encode.mesh = baked.mesh;
         encode.progress = options.run.progress;
         encode.cancelled = options.run.cancelled;

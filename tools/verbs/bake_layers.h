@@ -1,12 +1,15 @@
-// `tessera bake --layered`: a model as layers.
+// A model as layers, for `tessera bake`.
 #pragma once
 
 #include "tools/verbs/bake_sources.h"
 
 namespace tessera {
 
-// Bakes the model of the command into a file with layers, and reports it. Errors: bad_argument, if
-// options do not go together; those of corpus/layers and of encoding; io.
-Status bake_layered(const BakeCommand& a);
+// Whether layers can honour all options of the command. Errors: bad_argument.
+Status check_layered(const BakeCommand& a);
+
+// Bakes a model into a file with layers, and reports it. Errors: those of corpus/layers and of
+// encoding; io.
+Status bake_layered(const BakeCommand& a, ModelToBake model);
 
 } // namespace tessera

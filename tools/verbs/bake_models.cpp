@@ -18,7 +18,6 @@ namespace {
 // Diffuse light is computed once per surface point, with this many times the paths of a texel.
 constexpr unsigned diffuse_share = 16;
 constexpr unsigned noise_trials = 200;
-constexpr corpus::Texels2 usual_directions{16, 16};
 constexpr Extent4 usual_tile{32, 32, 8, 8};
 
 struct ModelFigures {
@@ -68,14 +67,17 @@ Status check_model(const BakeCommand& a) {
     return {};
 }
 
-Result<std::vector<std::string>> take_notes(const BakeCommand& a, const corpus::Model& model,
-                                            Warnings& warnings) {
-    std::vector<std::string> notes;
-    for (const std::string& note : model.notes) {
-        notes.push_back(printable(note));
-        TESSERA_TRY(warnings.add(notes.back(), a.scene));
+Result<ModelToBake> load_model_to_bake(const BakeCommand& a) {
+    ModelToBake model;
+    TESSERA_TRY_ASSIGN(model.file, load_lit_model(a.scene, a.model));
+    model.warnings = std::make_unique<Warnings>(a.encode.strict);
+    for (const std::string& note : model.file.model.notes) {
+        model.notes.push_back(printable(note));
+        TESSERA_TRY(model.warnings->add(model.notes.back(), a.scene));
     }
-    return notes;
+    TESSERA_TRY_ASSIGN(model.file.model,
+                       corpus::with_both_sides(std::move(model.file.model)).with_context(a.scene));
+    return model;
 }
 
 std::vector<std::pair<std::string, std::string>>
@@ -127,31 +129,27 @@ Status check_no_model_options(const ModelArguments& a) {
     return {};
 }
 
-Result<Baking> model_baking(const BakeCommand& a, const std::string& map) {
-    TESSERA_TRY(check_model(a));
+Result<Baking> model_baking(const BakeCommand& a, ModelToBake model, const std::string& map) {
     TESSERA_TRY_ASSIGN(const corpus::SurfaceWish wish, surface_wish(a));
     TESSERA_TRY_ASSIGN(
         const auto wished_map,
         parse_octahedral_map(map.empty() ? "auto" : map).with_context("--angular-map"));
-    TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(a.scene, a.model));
+    const LitModelFile& file = model.file;
     Baking baking;
-    baking.warnings = std::make_unique<Warnings>(a.encode.strict);
-    TESSERA_TRY_ASSIGN(std::vector<std::string> notes, take_notes(a, file.model, *baking.warnings));
-    TESSERA_TRY_ASSIGN(const corpus::Model model,
-                       corpus::with_both_sides(std::move(file.model)).with_context(a.scene));
+    baking.warnings = std::move(model.warnings);
     const Extent4 tile = wish.tile.value_or(usual_tile);
     const corpus::Texels2 directions = wish.directions.value_or(usual_directions);
     corpus::ModelAtlasOptions options;
     options.density = wish.density.value_or(0.0);
     options.tile = {tile[axis_u], tile[axis_v]};
     TESSERA_TRY_ASSIGN(corpus::ModelAtlas atlas,
-                       corpus::make_model_atlas(model, options).with_context(a.scene));
+                       corpus::make_model_atlas(file.model, options).with_context(a.scene));
     baking.mesh = atlas.stream;
     ModelFigures figures{.triangles = atlas.mesh.triangles.size(),
                          .charts = atlas.charts.size(),
                          .density = atlas.density,
                          .noise = {},
-                         .notes = std::move(notes)};
+                         .notes = std::move(model.notes)};
     corpus::LitModelOptions paths;
     paths.samples = a.samples;
     paths.diffuse_samples = std::min(65536u, a.samples * diffuse_share);

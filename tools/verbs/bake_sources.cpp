@@ -145,16 +145,16 @@ bool is_compressed(const BakeCommand& a) {
     return a.output == standard_stream || kind_of(a.output) == TextureKind::tess;
 }
 
-Result<Baking> make_baking(BakeCommand& a) {
+Result<Baking> make_baking(BakeCommand& a, ModelToBake* model) {
     const auto proxy = a.encode.description.find("proxy");
-    const bool is_model = corpus::is_model_path(a.scene);
-    const std::string word =
-        proxy != a.encode.description.end() ? proxy->second : (is_model ? "mesh" : "sphere");
-    if (is_model && word != "mesh")
+    const std::string word = proxy != a.encode.description.end()
+                                 ? proxy->second
+                                 : (model != nullptr ? "mesh" : "sphere");
+    if (model != nullptr && word != "mesh")
         return Status(ErrorCode::bad_argument,
                       "--proxy " + word +
                           ": the texture of a model lies on the model, --proxy mesh");
-    if (!is_model) {
+    if (model == nullptr) {
         TESSERA_TRY(check_scene(a.scene));
         TESSERA_TRY(check_no_model_options(a.model));
     }
@@ -163,7 +163,7 @@ Result<Baking> make_baking(BakeCommand& a) {
     if (word != "mesh")
         return sphere_baking(a);
     const std::string map = take(a, "angular-map");
-    return is_model ? model_baking(a, map) : mesh_baking(a, map);
+    return model != nullptr ? model_baking(a, std::move(*model), map) : mesh_baking(a, map);
 }
 
 } // namespace tessera

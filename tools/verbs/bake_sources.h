@@ -18,13 +18,14 @@
 namespace tessera {
 
 inline constexpr std::uint64_t usual_bake_seed = 1;
+inline constexpr corpus::Texels2 usual_directions{16, 16}; // of one texture of a model
 
 struct BakeCommand {
     std::string scene, output; // a built-in scene's name, or a model's file
     TextureArguments texture;  // threads, quiet, and the size to bake
     unsigned samples = 16;
     std::optional<std::uint64_t> seed;
-    bool list = false, layered = false;
+    bool list = false, layered = false, single = false;
     std::optional<double> density;
     std::string directions;       // SxT
     std::optional<double> texels; // of a layer
@@ -49,24 +50,31 @@ struct Baking {
     std::unique_ptr<Warnings> warnings; // of models
 };
 
+// A model with its light, as both kinds of bakes need it.
+struct ModelToBake {
+    LitModelFile file;
+    std::unique_ptr<Warnings> warnings;
+    std::vector<std::string> notes; // what the model has that is not baked
+};
+
 bool is_compressed(const BakeCommand& a);
 
 // The wishes of --density, --directions and --tile. Errors: bad_argument.
 Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a);
 
-// A texture on a sphere or, with --proxy mesh and for models, on the surfaces themselves. Removes
-// the words from the description in `a` that it has applied. Errors: bad_argument, if options do
-// not go together; those of the bakers.
-Result<Baking> make_baking(BakeCommand& a);
+// A texture on a sphere or, with --proxy mesh and for models, on the surfaces themselves. `model` is
+// the one that the command names, or nullptr for a scene. Removes the words from the description in
+// `a` that it has applied. Errors: bad_argument, if options do not go together; those of the bakers.
+Result<Baking> make_baking(BakeCommand& a, ModelToBake* model);
 
 // Facts as metadata: their names begin with a capital letter.
 Metadata metadata_of(const std::vector<std::pair<std::string, std::string>>& facts);
 
 // Of models only, in bake_models.cpp. What all bakes of models have in common:
 Status check_model(const BakeCommand& a); // errors: bad_argument
-// What the model has that is not baked. Error: unsupported, if the command is strict.
-Result<std::vector<std::string>> take_notes(const BakeCommand& a, const corpus::Model& model,
-                                            Warnings& warnings);
+// Its model has both sides. Errors: those of load_lit_model() and corpus::with_both_sides();
+// unsupported, if the command is strict and something is not baked.
+Result<ModelToBake> load_model_to_bake(const BakeCommand& a);
 // Everything that the texels depend on but the files that are read.
 std::vector<std::pair<std::string, std::string>> model_facts(const BakeCommand& a,
                                                              const LitModelFile& file,
@@ -77,6 +85,6 @@ std::vector<std::pair<std::string, std::string>> model_facts(const BakeCommand& 
 // model_baking(): those of corpus/model, corpus/trace and corpus/model_surface; bad_argument.
 void add_model_options(CLI::App& app, ModelArguments& arguments);
 Status check_no_model_options(const ModelArguments& arguments); // errors: bad_argument
-Result<Baking> model_baking(const BakeCommand& a, const std::string& map);
+Result<Baking> model_baking(const BakeCommand& a, ModelToBake model, const std::string& map);
 
 } // namespace tessera

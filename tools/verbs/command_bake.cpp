@@ -10,6 +10,7 @@
 #include "tools/support/progress.h"
 #include "tools/support/standard_streams.h"
 #include "tools/texture_io/texture_io.h"
+#include "tools/verbs/bake_choice.h"
 #include "tools/verbs/bake_layers.h"
 #include "tools/verbs/bake_sources.h"
 #include "tools/verbs/command.h"
@@ -111,13 +112,40 @@ Status bake_plain(const BakeCommand& a, const Baking& baking, const EncodeOption
     return {};
 }
 
-// Refuses options that only --layered can honour.
-Status check_no_layer_options(const BakeCommand& a) {
+// Refuses options that only layers can honour.
+Status check_no_layer_options(const BakeCommand& a, const std::string& why) {
     for (const auto& [option, given] :
-         {std::pair("--texels", a.texels.has_value()), std::pair("--lights", a.lights.has_value())})
+         {std::pair("--layered", a.layered), std::pair("--texels", a.texels.has_value()),
+          std::pair("--lights", a.lights.has_value()),
+          std::pair("--single", a.single && !corpus::is_model_path(a.scene))})
         if (given)
-            return {ErrorCode::bad_argument, std::string(option) + ": needs --layered"};
+            return {ErrorCode::bad_argument, std::string(option) + ": " + why};
     return {};
+}
+
+Status bake_texture(BakeCommand a, ModelToBake* model) {
+    TESSERA_TRY_ASSIGN(Baking baking, make_baking(a, model));
+    if (!baking.warnings)
+        baking.warnings = std::make_unique<Warnings>(a.encode.strict);
+    baking.texels = interruptible(std::move(baking.texels)); // reading bakes
+    TESSERA_TRY_ASSIGN(const auto options, options_for(a, baking));
+    return is_compressed(a) ? bake_compressed(a, baking, options) : bake_plain(a, baking, options);
+}
+
+Status bake_model(const BakeCommand& a) {
+    TESSERA_TRY(check_model(a));
+    TESSERA_TRY(surface_wish(a).status());
+    if (a.layered)
+        TESSERA_TRY(check_layered(a));
+    if (a.single)
+        TESSERA_TRY(check_no_layer_options(a, "does not apply to --single"));
+    TESSERA_TRY_ASSIGN(ModelToBake model, load_model_to_bake(a));
+    TESSERA_TRY_ASSIGN(const BakeChoice choice, choose_layers(a, model));
+    say_choice(a, choice);
+    if (choice.layered)
+        return bake_layered(a, std::move(model));
+    TESSERA_TRY(check_no_layer_options(a, "needs layers, but " + choice.why));
+    return bake_texture(a, &model);
 }
 
 Status run(const BakeCommand& a) {
@@ -130,17 +158,10 @@ Status run(const BakeCommand& a) {
         TESSERA_TRY(check_plain_output(a));
     else
         TESSERA_TRY(check_tess_output(a.encode, a.output)); // before a model is loaded
-    if (a.layered)
-        return with_memory_hint(bake_layered(a));
-    TESSERA_TRY(check_no_layer_options(a));
-    BakeCommand own = a;
-    TESSERA_TRY_ASSIGN(Baking baking, make_baking(own));
-    if (!baking.warnings)
-        baking.warnings = std::make_unique<Warnings>(a.encode.strict);
-    baking.texels = interruptible(std::move(baking.texels)); // reading bakes
-    TESSERA_TRY_ASSIGN(const auto options, options_for(own, baking));
-    return with_memory_hint(is_compressed(a) ? bake_compressed(own, baking, options)
-                                             : bake_plain(own, baking, options));
+    if (corpus::is_model_path(a.scene))
+        return with_memory_hint(bake_model(a));
+    TESSERA_TRY(check_no_layer_options(a, "needs a model, not the built-in scene " + a.scene));
+    return with_memory_hint(bake_texture(a, nullptr));
 }
 
 // Options of encode that work here, too. The help of encode explains them.
@@ -188,8 +209,9 @@ void declare(CLI::App& c, BakeCommand& a) {
     add_model_options(c, a.model);
     OptionGroup layers(c, "Layers of a model");
     layers.flag("--layered", a.layered,
-                "Bake colours, gloss, bumps, shadows and reflections into layers of their own: "
-                "much sharper close by, in fewer bytes");
+                "Bake colours, gloss, bumps, shadows and reflections into layers of their own, "
+                "which are sharp close by in few bytes. Default: a trial with a few paths decides");
+    layers.flag("--single", a.single, "Bake one texture of all light instead");
     layers.option("--texels", "N", a.texels, "Texels of a layer of colours. Default: 1000000",
                   number_between(1024, 67108864));
     layers.option("--lights", "N", a.lights,
@@ -217,7 +239,8 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
         "  tessera bake composed -o mesh.tess --proxy mesh --target-bytes 16000\n"
         "  tessera bake mirror -o mirror.tess --proxy mesh --density 64 --directions 32x32\n"
         "  tessera bake bunny.glb -o bunny.tess --env studio.exr --spp 64\n"
-        "  tessera bake helmet.glb -o helmet.tess --env studio.exr --layered\n"
+        "  tessera bake helmet.glb -o helmet.tess --env studio.exr --texels 2000000\n"
+        "  tessera bake bunny.glb -o one.tess --single --directions 24x24\n"
         "  tessera bake lamps -o lamps.exr --size 64x32x8x8",
         declare, run);
 }

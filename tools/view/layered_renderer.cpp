@@ -69,7 +69,13 @@ public:
                     std::vector<std::unique_ptr<OpenLayer>> layers, const glm::dvec3& background,
                     const RenderOptions& options)
         : rays_(std::move(rays)), lights_(std::move(lights)), peaks_(visibility_peaks(lights_)),
-          layers_(std::move(layers)), background_(background), options_(options) {}
+          layers_(std::move(layers)), background_(background), options_(options) {
+        for (const auto& layer : layers_)
+            if (layer->role() == LayerRole::environment) {
+                lobes_ = layer->drawn().texels->desc().size[axis_u];
+                least_highlight_ = 1e-8; // dim lights say what is blocked
+            }
+    }
 
     Result<View> render(const Camera& camera) override {
         Readers readers;
@@ -90,8 +96,12 @@ private:
     // if the file has no such layer.
     Result<std::optional<glm::dvec4>> value(Readers& readers, LayerRole role, const glm::dvec2& uv,
                                             const glm::dvec2& st, const glm::dvec2& covered) const;
-    Result<glm::dvec3> light_of_lights(Readers& readers, const Reflectance& reflectance,
-                                       const glm::dvec2& uv, const glm::dvec2& covered) const;
+    Result<LightSum> light_of_lights(Readers& readers, const Reflectance& reflectance,
+                                     const glm::dvec2& uv, const glm::dvec2& covered) const;
+
+    // The light of the environment from the mirrored direction.
+    Result<std::optional<glm::dvec3>>
+    environment_light(Readers& readers, const Reflectance& reflectance, SurfaceFrame frame) const;
 
     MeshRays rays_;
     std::vector<DistantLight> lights_;
@@ -99,6 +109,8 @@ private:
     std::vector<std::unique_ptr<OpenLayer>> layers_;
     glm::dvec3 background_;
     RenderOptions options_;
+    std::uint32_t lobes_ = 0;       // of the environment; 0: the file has no such layer
+    double least_highlight_ = 1e-5; // light of a light that is not left out
     double width_ = 1.0 / std::sqrt(static_cast<double>(options_.rays)); // of a ray, in pixels
 };
 
@@ -115,16 +127,17 @@ Result<std::optional<glm::dvec4>> LayeredRenderer::value(Readers& readers, Layer
         const DrawnLayer& drawn = layer.drawn();
         if (role == LayerRole::normal || role == LayerRole::coverage)
             return std::optional(value); // not light
-        return std::optional(
-            glm::dvec4(linear(glm::dvec3(value), drawn.transfer) * drawn.scale, value.w));
+        glm::dvec3 light = linear(glm::dvec3(value), drawn.transfer);
+        if (role == LayerRole::environment)
+            light *= light;
+        return std::optional(glm::dvec4(light * drawn.scale, value.w));
     }
     return std::optional<glm::dvec4>();
 }
 
-Result<glm::dvec3> LayeredRenderer::light_of_lights(Readers& readers,
-                                                    const Reflectance& reflectance,
-                                                    const glm::dvec2& uv,
-                                                    const glm::dvec2& covered) const {
+Result<LightSum> LayeredRenderer::light_of_lights(Readers& readers, const Reflectance& reflectance,
+                                                  const glm::dvec2& uv,
+                                                  const glm::dvec2& covered) const {
     std::size_t i = 0;
     while (i < layers_.size() && layers_[i]->role() != LayerRole::visibility)
         ++i;
@@ -138,10 +151,10 @@ Result<glm::dvec3> LayeredRenderer::light_of_lights(Readers& readers,
         places = layers_[i]->seen(AngularMap::octahedral_hemisphere, uv,
                                   {0.5 / size[axis_s], 0.5 / size[axis_t]}, covered);
     }
-    glm::dvec3 sum(0.0);
+    LightSum sum;
     for (std::uint32_t j = 0; j < lights_.size(); ++j) {
         const glm::dvec3 light = reflectance.of(lights_[j]);
-        if (std::max({light.x, light.y, light.z}) < 1e-5)
+        if (std::max({light.x, light.y, light.z}) < least_highlight_)
             continue;
         double share = 1.0;
         if (stored) {
@@ -151,9 +164,24 @@ Result<glm::dvec3> LayeredRenderer::light_of_lights(Readers& readers,
             TESSERA_TRY_ASSIGN(const glm::dvec4 value, sample(readers[i], places));
             share = std::min(value.x / peaks_[j], 1.0);
         }
-        sum += light * share;
+        sum.add(lights_[j], light, share);
     }
     return sum;
+}
+
+Result<std::optional<glm::dvec3>> LayeredRenderer::environment_light(Readers& readers,
+                                                                     const Reflectance& reflectance,
+                                                                     SurfaceFrame frame) const {
+    if (lobes_ == 0)
+        return std::optional<glm::dvec3>();
+    frame.ez = reflectance.normal;
+    const double lobe = environment_lobe(reflectance.roughness, lobes_);
+    TESSERA_TRY_ASSIGN(
+        const auto light,
+        value(readers, LayerRole::environment, {(lobe + 0.5) / lobes_, 0.5},
+              octahedral_place(AngularMap::octahedral_mirrored, frame, reflectance.view),
+              glm::dvec2(0.0)));
+    return std::optional(glm::dvec3(*light));
 }
 
 // Passes through places that are not covered.
@@ -198,10 +226,14 @@ Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camer
         reflectance.specular = glm::dvec3(*specular);
         reflectance.roughness = roughness ? roughness->x : 1.0;
         light *= reflectance.diffuse_share();
-        TESSERA_TRY_ASSIGN(const glm::dvec3 direct,
+        TESSERA_TRY_ASSIGN(const LightSum direct,
                            light_of_lights(readers, reflectance, uv, covered));
-        light += direct;
         reflected = reflectance.of_reflection();
+        TESSERA_TRY_ASSIGN(const auto environment,
+                           environment_light(readers, reflectance, hit->point.frame));
+        light += environment
+                     ? direct.with_environment(reflected * *environment, reflectance.roughness)
+                     : direct.points + direct.patches;
     }
     SurfaceFrame frame = hit->point.frame;
     frame.ez = reflectance.normal;

@@ -41,6 +41,7 @@ export const LAYER_ROLE: {
     readonly visibility: 5;
     readonly reflection: 6;
     readonly coverage: 7;
+    readonly environment: 8;
 };
 
 /** Level 0 is the texture; levels above 0 are coarser copies. */

@@ -1,6 +1,6 @@
 // Places in the atlas of a mesh and its mips (FORMAT.md 5.2). The layers of a file may have atlases of different sizes.
 uniform highp usampler2DArray charts; // a layer per atlas, with all of its mips; class Charts has the layout
-uniform ivec4 atlases[7];             // x, y: texels; z: number of mips
+uniform ivec4 atlases[9];             // x, y: texels; z: number of mips
 
 // The size of a mip, and its place in a picture with the mips to the right of the atlas, each below the previous one.
 ivec2 mipSize(int atlas, int mip) {

@@ -1,9 +1,9 @@
 // What the layers after the first one add to its light (FORMAT.md 5.6), like tools/view/layered_renderer.cpp. Each
 // layer is a picture with its mips, in the layout of class SlotLayout. Arrays are indexed by roles.
 uniform sampler2D emissionLayer, specularLayer, roughnessLayer, normalLayer, visibilityLayer, reflectionLayer,
-    coverageLayer;
-uniform ivec4 layers[8];      // x: number of the atlas, -1: not loaded; y: 1 for transfer sRGB; z, w: pixels per texel
-uniform float layerScales[8];
+    coverageLayer, environmentLayer;
+uniform ivec4 layers[9];      // x: number of the atlas, -1: not loaded; y: 1 for transfer sRGB; z, w: pixels per texel
+uniform float layerScales[9];
 uniform sampler2D lights;     // a row per light: direction and spread; irradiance and the sample if it is not blocked
 uniform int lightCount;
 
@@ -57,18 +57,32 @@ int missing(int role) {
 }
 
 const int emission = 1, specular = 2, roughness = 3, normal = 4, visibility = 5, reflection = 6,
-    coverage = 7;
+    coverage = 7, environment = 8;
 
-vec3 reflectedLight(TsrMeshFrame frame, vec3 direction) {
-    ivec2 directions = layers[reflection].zw;
+// A layer of several directions in the one that is mirrored about the normal, at `places`.
+vec4 mirroredSample(sampler2D layer, int role, TsrMeshFrame frame, vec3 direction) {
+    ivec2 directions = layers[role].zw;
     TsrOctahedralTaps around =
         tsr_octahedral_taps(tsr_octahedral_place(tsr_map_mirrored, frame, direction), directions);
     vec4 share = shares(around.weight), sum = vec4(0.0);
     for (int corner = 0; corner < 4; ++corner) {
         ivec2 st = tsr_folded(around.first + ivec2(corner & 1, corner >> 1), directions);
-        sum += share[corner] * layerAt(reflectionLayer, directions, st);
+        sum += share[corner] * layerAt(layer, directions, st);
     }
-    return lightOf(sum.rgb, reflection);
+    return sum;
+}
+
+vec3 reflectedLight(TsrMeshFrame frame, vec3 direction) {
+    return lightOf(mirroredSample(reflectionLayer, reflection, frame, direction).rgb, reflection);
+}
+
+vec3 environmentLight(TsrMeshFrame frame, vec3 direction, float roughness) {
+    float lobes = float(atlases[layers[environment].x].x);
+    placesOf = -1; // those of an atlas of the same size are not lobes
+    findPlaces(layers[environment].x, vec2((tsr_environment_lobe(roughness, lobes) + 0.5) / lobes, 0.5), vec2(0.0));
+    vec3 root = lightOf(mirroredSample(environmentLayer, environment, frame, direction).rgb, environment);
+    placesOf = -1;
+    return root * root / layerScales[environment];
 }
 
 vec3 lightOf(TsrReflectance r, int number) {
@@ -81,20 +95,28 @@ float peakOf(int number) {
     return max(texelFetch(lights, ivec2(1, number), 0).a, 1e-3);
 }
 
+TsrLightSum withLight(TsrLightSum sum, int number, vec3 specular, float seen) {
+    return tsr_with_light(sum, texelFetch(lights, ivec2(0, number), 0).w, specular, seen);
+}
+
 // A pixel of the layer of visibility holds four lights. `lights` is filled up to a multiple of four with dark ones.
-vec3 lightOfLights(TsrReflectance r) {
+TsrLightSum lightOfLights(TsrReflectance r) {
     ivec2 pixels = layers[visibility].zw;
-    vec3 sum = vec3(0.0);
+    TsrLightSum sum = TsrLightSum(vec3(0.0), vec3(0.0), vec3(0.0));
+    float least = missing(environment) == 1 ? 1e-5 : 1e-8;
     for (int four = 0; 4 * four < lightCount; ++four) {
         int first = 4 * four;
         vec3 a = lightOf(r, first), b = lightOf(r, first + 1), c = lightOf(r, first + 2), d = lightOf(r, first + 3);
         vec3 most = max(max(a, b), max(c, d));
-        for (int once = max(most.r, max(most.g, most.b)) < 1e-5 ? 1 : 0; once < 1; ++once) {
+        for (int once = max(most.r, max(most.g, most.b)) < least ? 1 : 0; once < 1; ++once) {
             vec4 seen = vec4(1.0);
             for (int there = missing(visibility); there < 1; ++there)
                 seen = min(layerAt(visibilityLayer, pixels, ivec2(four % pixels.x, four / pixels.x)) /
                                vec4(peakOf(first), peakOf(first + 1), peakOf(first + 2), peakOf(first + 3)), 1.0);
-            sum += seen.x * a + seen.y * b + seen.z * c + seen.w * d;
+            sum = withLight(sum, first, a, seen.x);
+            sum = withLight(sum, first + 1, b, seen.y);
+            sum = withLight(sum, first + 2, c, seen.z);
+            sum = withLight(sum, first + 3, d, seen.w);
         }
     }
     return sum;
@@ -131,8 +153,13 @@ vec3 withLayers(vec3 diffuse, vec2 uv, vec2 footprint, TsrMeshFrame frame, vec3 
         light *= tsr_diffuse_share(r);
         for (int once = missing(visibility); once < 1; ++once)
             findPlaces(layers[visibility].x, uv, footprint);
-        light += lightOfLights(r);
         share = tsr_reflection_share(r);
+        TsrLightSum sum = lightOfLights(r);
+        vec3 specularLight = sum.points + sum.patches;
+        for (int once = lightCount > 0 ? missing(environment) : 1; once < 1; ++once)
+            specularLight = tsr_with_environment(sum, share * environmentLight(frame, direction, r.roughness),
+                                                 r.roughness);
+        light += specularLight;
     }
     for (int once = missing(reflection); once < 1; ++once) {
         findPlaces(layers[reflection].x, uv, footprint);
