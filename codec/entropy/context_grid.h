@@ -44,10 +44,18 @@ public:
         const auto twice = static_cast<std::uint16_t>(2 * once);
         std::uint16_t* cell = cell_ + at.place;
         const auto [u, v, s, t] = stride_;
-        for (const int next : {u, v, s, t})
-            cell[next] = static_cast<std::uint16_t>(cell[next] + twice);
-        for (const int diagonal : {u + s, u - s, s - u, v + t, v - t, t - v, u + v, s + t})
-            cell[diagonal] = static_cast<std::uint16_t>(cell[diagonal] + once);
+        const auto add = [cell](int to, std::uint16_t value) {
+            cell[to] = static_cast<std::uint16_t>(cell[to] + value);
+        };
+        add(u, twice);
+        add(v, twice);
+        add(u + v, once);
+        if (is_flat_)
+            return;
+        add(s, twice);
+        add(t, twice);
+        for (const int diagonal : {u + s, u - s, s - u, v + t, v - t, t - v, s + t})
+            add(diagonal, once);
     }
     // Marks a coefficient of this amplitude in an earlier plane.
     void mark_cross(const ScanContext& at, std::uint32_t amplitude) const {
@@ -59,8 +67,11 @@ public:
     void forget(const ScanContext& at) const {
         std::uint16_t* cell = cell_ + at.place;
         const auto [u, v, s, t] = stride_;
-        for (const int reached :
-             {0, u, v, s, t, u + s, u - s, s - u, v + t, v - t, t - v, u + v, s + t})
+        for (const int reached : {0, u, v, u + v})
+            cell[reached] = 0;
+        if (is_flat_)
+            return;
+        for (const int reached : {s, t, u + s, u - s, s - u, v + t, v - t, t - v, s + t})
             cell[reached] = 0;
     }
     // Clears the cell of mark_cross(), with what other positions added.
@@ -73,6 +84,7 @@ public:
 protected:
     std::uint16_t* cell_ = nullptr;
     std::array<int, 4> stride_{};
+    bool is_flat_ = false; // blocks of one view have no neighbours along s and t
 
 private:
     // A cell: the weighted sum, at most (4 * 2 + 8) * 192, and the code of earlier planes' sum.
@@ -96,6 +108,7 @@ public:
         stride_ = order.grid_stride;
         memory_.resize(std::max(memory_.size(), order.grid_cells));
         cell_ = memory_.data();
+        is_flat_ = order.shape.n[2] == 1 && order.shape.n[3] == 1;
     }
 
     // Undoes the marks of a plane's `levels`, all within the first `length` coefficients, and of
@@ -104,11 +117,16 @@ public:
     template <class ForEachEarlier>
     bool undo(const ScanOrder& order, int length, std::span<const NonZero> levels,
               const ForEachEarlier& for_each_earlier) {
-        constexpr std::size_t mark_cells = 1 + scan_neighbours, cells_at_once = 16;
+        constexpr std::size_t cells_at_once = 16;
+        const std::size_t mark_cells = is_flat_ ? 4 : 1 + scan_neighbours;
         const auto& support = order.support[static_cast<std::size_t>(length) - 1];
-        const std::size_t reached = (support[3] + 2u) * static_cast<std::size_t>(stride_[3]);
+        // A block of one view reaches only the view in the middle of the border.
+        const auto [u, v, s, t] = stride_;
+        const int first = is_flat_ ? s + t : 0;
+        const auto reached =
+            static_cast<std::size_t>(is_flat_ ? (support[1] + 2) * v : (support[3] + 2) * t);
         if (levels.size() * mark_cells >= reached / cells_at_once) {
-            std::fill_n(cell_, reached, std::uint16_t{0});
+            std::fill_n(cell_ + first, reached, std::uint16_t{0});
             return true;
         }
         for_each_earlier([&](const NonZero& nz) { forget_cross(order.context[nz.index]); });

@@ -13,6 +13,15 @@ std::int32_t floor_of(std::int32_t a, std::int32_t b) {
 
 } // namespace
 
+void BlockBorder::Side::read(const std::int32_t* from, int step, int count) {
+    count_ = count;
+    if (step == 1)
+        std::copy_n(from, count, texel_.begin());
+    else
+        for (int i = 0; i < count; ++i)
+            texel_[static_cast<std::size_t>(i)] = from[i * step];
+}
+
 void BlockBorder::Side::extend() {
     std::fill(texel_.begin() + count_, texel_.begin() + length_,
               texel_[static_cast<std::size_t>(count_ - 1)]);
@@ -33,10 +42,20 @@ BlockBorder::BlockBorder(const Block& block, const BlockShape& picture,
     has_left_ = u > 0;
     top_.begin(length_);
     left_.begin(length_);
-    for (int i = 0; has_top_ && i < length_ && u + i < picture.n[0] && done.height(u + i) >= v; ++i)
-        top_.push(at(u + i, v - 1));
-    for (int i = 0; has_left_ && i < length_ && v + i < picture.n[1] && done.width(v + i) >= u; ++i)
-        left_.push(at(u - 1, v + i));
+    if (has_top_) {
+        const int most = std::min(length_, picture.n[0] - u);
+        int count = 0;
+        while (count < most && done.height(u + count) >= v)
+            ++count;
+        top_.read(&plane[static_cast<std::size_t>((v - 1) * picture.n[0] + u)], 1, count);
+    }
+    if (has_left_) {
+        const int most = std::min(length_, picture.n[1] - v);
+        int count = 0;
+        while (count < most && done.width(v + count) >= u)
+            ++count;
+        left_.read(&plane[static_cast<std::size_t>(v * picture.n[0] + u - 1)], picture.n[0], count);
+    }
     complete(has_top_ && has_left_ ? at(u - 1, v - 1) : 0);
 }
 

@@ -26,7 +26,8 @@ private:
     class Side {
     public:
         void begin(int length) { length_ = length; }
-        void push(std::int32_t value) { texel_[static_cast<std::size_t>(count_++)] = value; }
+        // Takes `count` texels, `step` apart.
+        void read(const std::int32_t* from, int step, int count);
         void extend(); // repeats the last texel to the end
         void fill(std::int32_t value);
         std::int32_t operator[](int i) const { return texel_[static_cast<std::size_t>(i)]; }

@@ -16,19 +16,22 @@ void CoefficientBox::begin() {
     support_ = {1, 1, 1, 1};
 }
 
+// Sums stay in local variables, because stores to bytes could change any member.
 void CoefficientBox::add(std::span<const NonZero> levels, const ScanOrder& order) {
+    std::array<int, 4> support{support_[0], support_[1], support_[2], support_[3]};
     for (const NonZero& nz : levels) {
         const ScanEntry& entry = order.entry[nz.index];
-        const auto beyond = [](std::uint8_t k) { return static_cast<std::uint8_t>(k + 1); };
         for (std::size_t axis = 0; axis < 4; ++axis)
-            support_[axis] = std::max(support_[axis], beyond(entry.k[axis]));
-        of_t_[entry.k[3]] = std::max(of_t_[entry.k[3]], beyond(entry.k[2]));
+            support[axis] = std::max(support[axis], entry.k[axis] + 1);
         std::int16_t& column = column_of_[static_cast<std::size_t>(view_of(entry))];
         if (column >= 0)
             continue;
         column = static_cast<std::int16_t>(count_);
         view_[static_cast<std::size_t>(count_++)] = static_cast<std::int16_t>(view_of(entry));
+        of_t_[entry.k[3]] = std::max(of_t_[entry.k[3]], static_cast<std::uint8_t>(entry.k[2] + 1));
     }
+    for (std::size_t axis = 0; axis < 4; ++axis)
+        support_[axis] = static_cast<std::uint8_t>(support[axis]);
 }
 
 bool CoefficientBox::columns_run_fastest() const {

@@ -127,30 +127,33 @@ private:
 
     // Adds the prediction to scratch_.a; `shift` is as in BaseCopies::add_shift.
     void add_prediction(int plane, int shift) {
-        if (!prediction_->copies()) {
+        if (prediction_->copies())
+            copy_block(block_, *prediction_, coding_, shift, scratch_.a.data(), tile_planes_,
+                       static_cast<std::size_t>(plane));
+        else
             add_border(plane, shift);
-            kernels().put_block(scratch_.a.data(), 0, target(plane));
-            return;
-        }
-        copy_block(block_, *prediction_, coding_, shift, scratch_.a.data(), tile_planes_,
-                   static_cast<std::size_t>(plane));
     }
 
     void add_border(int plane, int shift) {
-        make_room(scratch_.predicted);
+        const auto& n = block_.shape.n;
+        std::vector<std::int32_t>& predicted = scratch_.predicted;
+        const auto read = static_cast<std::size_t>((n[1] + 1) * n[0] + 1); // by copy_rows()
+        predicted.resize(std::max(predicted.size(), read));
         predict_from_border(
             block_, prediction_->mode, picture_, planes_[static_cast<std::size_t>(plane)],
-            is_of_base_ ? tile_planes_.base_done : tile_planes_.done, scratch_.predicted.data());
-        const std::int32_t* const predicted = scratch_.predicted.data();
-        std::int32_t* const values = scratch_.a.data();
-        const int count = block_.shape.texels();
-        if (shift == BaseCopies::nothing_there) {
-            std::copy_n(predicted, count, values);
-        } else {
-            const std::int32_t half = shift > 0 ? 1 << (shift - 1) : 0;
-            for (int i = 0; i < count; ++i)
-                values[i] = predicted[i] + ((values[i] + half) >> shift);
-        }
+            is_of_base_ ? tile_planes_.base_done : tile_planes_.done, predicted.data());
+        const bool has_difference = shift != BaseCopies::nothing_there;
+        const BlockTarget to = target(plane);
+        constexpr int whole_texels = copy_filter(false, 0, 0);
+        kernels().copy_rows(predicted.data(), n[0], whole_texels,
+                            {.out = to.out,
+                             .stride = to.row,
+                             .rows = n[1],
+                             .n = n[0],
+                             .limit = to.limit,
+                             .add = has_difference ? scratch_.a.data() : nullptr,
+                             .add_stride = n[0],
+                             .add_shift = has_difference ? shift : 0});
     }
 
     void make_room(std::vector<std::int32_t>& values) const {

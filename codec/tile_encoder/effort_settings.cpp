@@ -78,6 +78,8 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
         settings.pictures = level_copies ? level.pictures : PictureSearch{1, 0, off, off};
     PictureSearch& pictures = settings.pictures;
     pictures.borders = tools.is_on(CodingTool::borders, true);
+    pictures.planar = tools.is_on(CodingTool::planar, true);
+    pictures.directions = tools.is_on(CodingTool::directions, true);
     pictures.halves = tools.is_on(CodingTool::picture_splits, pictures.halves);
     pictures.quarters = tools.is_on(CodingTool::picture_splits, pictures.quarters);
     if (!tools.is_on(CodingTool::sines, pictures.transform_modes > 0))

@@ -15,6 +15,8 @@ struct PictureSearch {
     bool halves = false;     // blocks may be halves of squares,
     bool quarters = false;   // ... and quarters, or halves of these
     bool borders = true;     // blocks are predicted from their borders
+    bool planar = true;      // ... as a plane,
+    bool directions = true;  // ... along a direction, and always as their mean
 };
 
 struct EffortSettings {

@@ -188,7 +188,13 @@ void PictureEncoder::compare_luma(const Block& block) {
     slots_.resize(kept_of_luma + 1);
     of_luma_.clear();
     std::size_t free_slot = 0;
-    for (int mode = 0; mode < (borders_.empty() ? 1 : border_mode_count); ++mode) {
+    const PictureSearch& options = settings_.pictures;
+    const int modes = borders_.empty()     ? mode_none + 1
+                      : options.directions ? border_mode_count
+                                           : mode_first_direction;
+    for (int mode = 0; mode < modes; ++mode) {
+        if (mode == mode_planar && !options.planar)
+            continue;
         Candidate candidate;
         candidate.mode = static_cast<BorderMode>(mode);
         candidate.slot = free_slot;

@@ -29,6 +29,8 @@ enum class CodingTool : std::uint8_t {
     picture_splits, // blocks of pictures are also cut into halves and quarters along u or v
     chroma_from_luma, // Co and Cg of a block are predicted from its luma
     sines,            // residuals in pictures are transformed with sines or cosines
+    planar,           // borders may be continued as a plane
+    directions,       // borders may be continued along 32 directions
 };
 
 inline constexpr std::array coding_tool_names = {"copies",
@@ -50,7 +52,9 @@ inline constexpr std::array coding_tool_names = {"copies",
                                                  "borders",
                                                  "picture-splits",
                                                  "chroma-from-luma",
-                                                 "sines"};
+                                                 "sines",
+                                                 "planar",
+                                                 "directions"};
 
 // Overrides of an effort's choice; without any, the effort decides.
 class ToolSwitches {

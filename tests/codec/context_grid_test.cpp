@@ -25,8 +25,9 @@ TEST(ContextGrid, ScatteringEqualsGathering) {
     ContextGrid grid; // shared as in the codec, so undo() must clear it
     int cleared = 0;
     for (int round = 0; round < 60; ++round) {
+        const int views = round % 4 == 0 ? 1 : 8; // blocks of one view have a quicker way
         const BlockShape shape = shape_of(random.range(1, 12), random.range(1, 9),
-                                          random.range(1, 8), random.range(1, 8));
+                                          random.range(1, views), random.range(1, views));
         const ScanOrder order = make_scan_order(shape, default_scan_weights);
         const int length = random.range(1, order.length());
         grid.begin(order);

@@ -69,8 +69,9 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
             const Encoded encoded = encode(texture, options);
             // These tools may have no effect on this texture. prediction_test.cpp,
             // tree_edits_test.cpp and tile_filter_test.cpp test them.
-            constexpr std::array may_not_matter = {
-                "-smooth", "-base", "-refine", "-filter", "-borders", "-picture-splits", "-sines"};
+            constexpr std::array may_not_matter = {"-smooth", "-base",    "-refine",
+                                                   "-filter", "-borders", "-picture-splits",
+                                                   "-sines",  "-planar",  "-directions"};
             if (std::ranges::find(may_not_matter, name) == may_not_matter.end()) {
                 EXPECT_FALSE(data_of(encoded.file) == data_of(full.file)) << name;
             }
@@ -88,6 +89,36 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
                 check("-" + name);
         check("none");
     }
+}
+
+// A bowl beside slanted stripes, so that each tool pays somewhere.
+TEST(Tools, OfPicturesChangeThem) {
+    Random random(4);
+    std::vector<double> grain;
+    for (int i = 0; i < 64 * 48; ++i)
+        grain.push_back(random.unit());
+    MemoryTexture picture{
+        describe(Extent4{64, 48, 1, 1}, SampleType::unorm8), [&](int u, int v, int, int, int c) {
+            const double x = u - 40, y = v - 50;
+            const bool is_stripe = (2 * u + 3 * v) / 24 % 2 == 0;
+            const double stripes =
+                0.3 + (is_stripe ? 0.35 - 0.05 * c : 0.0) + (v == 30 ? 0.2 : 0.0);
+            const double bowl = 0.15 + 0.55 * (x * x + y * y) / 4100 - 0.05 * c;
+            return (u < 36 ? bowl : stripes) + 0.03 * grain[static_cast<std::size_t>(v * 64 + u)];
+        }};
+    const auto data = [&](const std::string& tools) {
+        const SwitchedOptions options{options_for({Kind::quality, 70}, usual_effort), tools};
+        const Encoded encoded = encode(picture, options);
+        const Bytes texels = decode_all(encoded.file, picture.desc());
+        EXPECT_NEAR(encoded.report.psnr,
+                    difference(picture.texels, texels, SampleType::unorm8).psnr, 1e-9)
+            << tools;
+        return data_of(encoded.file);
+    };
+    const Bytes full = data("");
+    for (const std::string name : {"borders", "planar", "directions", "sines", "picture-splits",
+                                   "chroma-from-luma", "rotation"})
+        EXPECT_FALSE(data("-" + name) == full) << name;
 }
 
 TEST(Tools, SwitchesOverrideTheEffort) {

@@ -50,6 +50,25 @@ TEST_F(RdVerb, MeasuresRateAndDistortion) {
     EXPECT_EQ(slurp(at("report") / "rd.csv").find("tessera:4"), std::string::npos);
 }
 
+TEST_F(RdVerb, ComparesPictures) {
+    succeed("bake composed --size 16x16x1x1 --spp 1 -q -o a.rgb");
+    // --rivals replaces the rivals of --pictures, but not its efforts and qualities.
+    succeed("rd a.rgb --size 16x16x1x1 --pictures -q -o r --rivals none");
+    const std::string table = slurp(at("r") / "rd.csv");
+    for (const char* quality : {"40", "48", "56", "64", "72", "78"})
+        EXPECT_NE(table.find(",quality " + std::string(quality) + ","), std::string::npos)
+            << quality << table;
+    EXPECT_NE(table.find("tessera:4"), std::string::npos) << table;
+    EXPECT_EQ(table.find("tessera:3"), std::string::npos) << table;
+    succeed("bake composed --size 8x4x3x2 --spp 1 -q -o b.tess");
+    fail(1, "rd b.tess --pictures -q -o x", {"b.tess", "--pictures", "one view", "3x2"});
+    // No picture codec is installed, so BD-rates refer to Tessera itself.
+    const Outcome o =
+        run("rd a.rgb --size 16x16x1x1 --pictures -o y --efforts 0 --quality 50", "PATH=/nowhere");
+    EXPECT_EQ(o.code, 0) << o.err;
+    EXPECT_NE(o.out.find("jxl: not installed: cjxl, djxl"), std::string::npos) << o.out;
+}
+
 TEST_F(RdVerb, RejectsBadArguments) {
     succeed("bake composed --size 8x4x3x2 --spp 1 -q -o a.tess");
     fail(1, "rd a.tess -o x --rivals h266", {"h266", "x265"});

@@ -312,6 +312,35 @@ TEST_F(RdTools, ReadsVersions) {
     EXPECT_EQ(choice.present[1].version, "zfp 1.0.0");
 }
 
+// The scripts copy the picture, so AVIF is lossless here.
+TEST_F(RdTools, ComparesTwoChannelsWithPlanesOfAvif) {
+    script("avifenc", "[ \"$1\" = --version ] && { echo 'Version: 1.0.1'; exit; }\n"
+                      "[ \"$1 $2\" = '--cicp 1/13/0' ] || exit 3\n"
+                      "for out; do in=$last; last=$out; done; exec /bin/cp \"$in\" \"$out\"");
+    script("avifdec", "for out; do in=$last; last=$out; done; exec /bin/cp \"$in\" \"$out\"");
+    RdTexture normals = small_texture({16, 12, 1, 1});
+    normals.desc.channels = 2;
+    normals.texels.resize(normals.texel_count() * 2);
+    describe_texels(normals);
+    const RivalChoice choice = choose_rivals(*rivals_named("avif,avif:planes"), normals.desc);
+    ASSERT_EQ(choice.absent.size(), 1u); // avif takes three channels
+    EXPECT_EQ(choice.absent[0].id, "avif");
+    ASSERT_EQ(choice.present.size(), 1u);
+    EXPECT_EQ(choice.present[0].version, "avifenc 1.0.1");
+    for (const unsigned channels : {2u, 3u}) {
+        const RdTexture texture = channels == 2 ? normals : small_texture({16, 12, 1, 1});
+        const auto rows = sweep(texture, choice.present, options());
+        ASSERT_TRUE(rows.ok()) << rows.status().message();
+        ASSERT_EQ((*rows)[0].failed, "");
+        EXPECT_TRUE(std::isinf((*rows)[0].quality.psnr_rgb)) << channels;
+    }
+    normals.desc.channels = 4;
+    EXPECT_NE(choose_rivals(*rivals_named("avif:planes"), normals.desc)
+                  .absent[0]
+                  .reason.find("4 channels"),
+              std::string::npos);
+}
+
 // --- the sweep and its cache ---------------------------------------------------------------------
 
 // A codec with known PSNR: it adds `setting` to every sample. Counts its runs.

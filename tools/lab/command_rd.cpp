@@ -59,6 +59,10 @@ void declare_measurement(CLI::App& c, RdOptions& o) {
     group.flag(
         "--quick", o.quick,
         "Give a first plot in about a minute: a crop of 64x64x16x16 texels, effort 1, fast rivals");
+    group.flag("--pictures", o.pictures,
+               "Compare textures of one view with picture codecs. Unless other options say "
+               "otherwise: effort 4, qualities 40, 48, 56, 64, 72 and 78, rivals avif, avif:planes "
+               "and jxl, anchor avif");
     group.option("--psnr", "DB,DB,...", o.psnr, "Target PSNRs for tessera. Default: 35,38,41,44")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 200.0));
@@ -74,9 +78,10 @@ void declare_measurement(CLI::App& c, RdOptions& o) {
         ->check(CLI::Range(0, most_effort));
     group.option("--rivals", "LIST", o.rivals,
                  "all (default), none, or a list of x265, x265:8, x265:medium, aom, svtav1, avif, "
-                 "avif:mosaic, jxl, astc, zfp:rate, zfp:accuracy, exr:dwaa, raw");
+                 "avif:planes, avif:mosaic, jxl, astc, zfp:rate, zfp:accuracy, exr:dwaa, raw");
     group.option("--anchor", "ID", o.anchor,
-                 "The codec that BD-rates refer to. Default: x265 if it ran, else tessera");
+                 "The codec that BD-rates refer to. Default: x265 if it ran (with --pictures "
+                 "avif), else tessera");
     group.option("--spp", "N", o.samples, "Rays per texel of a scene. Default: 16",
                  CLI::Range(1u, corpus::max_samples_per_texel));
     group.flag(
@@ -122,6 +127,7 @@ void add_rd_command(CLI::App& app, Invocation& chosen) {
         "  tessera rd views.rgb --size 128x64x32x32 --sphere -o report --rivals x265,avif:mosaic\n"
         "  tessera rd lamps mirror --size 64x64x16x16 -o report --efforts 0,3,4\n"
         "  tessera rd scene.exr -o report --quality 50,62,75,88 --anchor tessera\n"
+        "  tessera rd a.png b.png --pictures -o report\n"
         "  tessera rd --views composed -o report",
         declare, run);
 }

@@ -181,6 +181,49 @@ Rival rival_by_views(const PictureTool& tool) {
     return rival;
 }
 
+// A third channel of medium grey costs AVIF nothing.
+RdTexture with_third_channel(const RdTexture& texture) {
+    RdTexture wide;
+    wide.desc = texture.desc;
+    wide.desc.channels = 3;
+    wide.texels.reserve(texture.texel_count() * 3);
+    for (std::size_t at = 0; at < texture.texels.size(); at += 2)
+        wide.texels.insert(wide.texels.end(),
+                           {texture.texels[at], texture.texels[at + 1], std::byte{128}});
+    return wide;
+}
+
+Result<Coded> code_planes(const CodingJob& job, const std::string& setting) {
+    if (job.texture.desc.channels == 3)
+        return code_views(avif_planes_tool(), job, setting);
+    const RdTexture wide = with_third_channel(job.texture);
+    TESSERA_TRY_ASSIGN(auto coded,
+                       code_views(avif_planes_tool(),
+                                  {wide, job.folder, job.threads, job.timeout, job.progress},
+                                  setting));
+    std::vector<std::byte> texels;
+    texels.reserve(job.texture.texels.size());
+    for (std::size_t at = 0; at < coded.texels.size(); at += 3)
+        texels.insert(texels.end(), {coded.texels[at], coded.texels[at + 1]});
+    coded.texels = std::move(texels);
+    return coded;
+}
+
+// Takes two channels as well, such as those of normals whose third coordinate is computed.
+Rival avif_planes() {
+    Rival rival = rival_of(avif_planes_tool());
+    rival.layout += ", one file per view";
+    rival.usual = false;
+    rival.not_applicable = [](const TextureDesc& desc) {
+        TextureDesc rgb = desc;
+        if (rgb.channels == 2)
+            rgb.channels = 3;
+        return needs_rgb8(rgb);
+    };
+    rival.run = code_planes;
+    return rival;
+}
+
 Rival avif_mosaic() {
     Rival rival = rival_of(avif_tool());
     rival.id += ":mosaic";
@@ -201,7 +244,8 @@ Rival astc_rival() {
 } // namespace
 
 std::vector<Rival> picture_rivals() {
-    return {rival_by_views(avif_tool()), avif_mosaic(), rival_by_views(jxl_tool()), astc_rival()};
+    return {rival_by_views(avif_tool()), avif_planes(), avif_mosaic(), rival_by_views(jxl_tool()),
+            astc_rival()};
 }
 
 } // namespace tessera

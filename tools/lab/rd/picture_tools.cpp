@@ -16,6 +16,12 @@ Argv encode_avif(const std::string& in, const std::string& out, const std::strin
             "-a",      "tune=psnr", "--jobs",      threads, in,
             out};
 }
+Argv encode_avif_planes(const std::string& in, const std::string& out, const std::string& setting,
+                        const std::string& threads) {
+    Argv argv = encode_avif(in, out, setting, threads);
+    argv.insert(argv.begin() + 1, {"--cicp", "1/13/0"}); // the identity matrix
+    return argv;
+}
 Argv decode_avif(const std::string& in, const std::string& out, const std::string& threads) {
     return {"avifdec", "--depth", "8", "--jobs", threads, in, out};
 }
@@ -56,6 +62,14 @@ const PictureTool tool_of_avif = {"avif",
                                   encode_avif,
                                   decode_avif};
 
+const PictureTool tool_of_avif_planes = [] {
+    PictureTool tool = tool_of_avif;
+    tool.id = "avif:planes";
+    tool.about = "libaom at speed 0, tune psnr, 10 bits, channels as planes (no colour transform)";
+    tool.encode = encode_avif_planes;
+    return tool;
+}();
+
 const PictureTool tool_of_jxl = {"jxl",
                                  "effort 9",
                                  {"cjxl", "djxl"},
@@ -88,6 +102,10 @@ const PictureTool tool_of_astc = {"astc",
 
 const PictureTool& avif_tool() {
     return tool_of_avif;
+}
+
+const PictureTool& avif_planes_tool() {
+    return tool_of_avif_planes;
 }
 
 const PictureTool& jxl_tool() {

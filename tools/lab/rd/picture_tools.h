@@ -24,6 +24,7 @@ struct PictureTool {
 };
 
 const PictureTool& avif_tool();
+const PictureTool& avif_planes_tool();
 const PictureTool& jxl_tool();
 const PictureTool& astc_tool();
 

@@ -77,9 +77,9 @@ Result<std::string> anchor_among(const RdOptions& o, const std::vector<CodecUnde
                            [&](const Measurement& m) { return m.codec == id && m.failed.empty(); });
     };
     if (o.anchor.empty()) {
-        for (const char* id : {"x265", "x265:medium"})
-            if (ran(id))
-                return std::string(id);
+        for (const std::string id : {"x265", "x265:medium", "avif", "avif:planes"})
+            if (o.pictures == id.starts_with("avif") && ran(id))
+                return id;
         return codecs.front().id;
     }
     for (const CodecUnderTest& codec : codecs)
@@ -109,7 +109,8 @@ std::string command_text(const RdOptions& o) {
     if (o.hints.size)
         text += " --size " + to_string(*o.hints.size);
     return text + (o.on_sphere ? " --sphere" : "") + (o.quick ? " --quick" : "") +
-           (o.rivals.empty() ? "" : " --rivals " + o.rivals) + " -o " + o.output;
+           (o.pictures ? " --pictures" : "") + (o.rivals.empty() ? "" : " --rivals " + o.rivals) +
+           " -o " + o.output;
 }
 
 // Lines on standard output between redrawings of the bar on standard error.
@@ -169,6 +170,13 @@ Result<TextureReport> measure_texture(const RdOptions& o, const std::string& nam
         load_rd_texture({name, o.samples, o.on_sphere, o.quick, o.hints}, bar->function());
     bar.reset();
     TESSERA_TRY(texture);
+    if (o.pictures && (texture->desc.size[axis_s] > 1 || texture->desc.size[axis_t] > 1))
+        return Status(ErrorCode::bad_argument, name +
+                                                   ": --pictures accepts textures of one view, "
+                                                   "but this one has " +
+                                                   std::to_string(texture->desc.size[axis_s]) +
+                                                   "x" +
+                                                   std::to_string(texture->desc.size[axis_t]));
     TextureReport report = describe(*texture);
     std::vector<CodecUnderTest> codecs = tessera_codecs(o);
     RivalChoice choice = choose_rivals(rivals, texture->desc);
@@ -207,9 +215,21 @@ Status write_report(const std::string& folder, const RdReport& report) {
     return write_text(folder + "/index.html", to_page(report));
 }
 
+// What --pictures means where other options say nothing.
+RdOptions of_pictures(RdOptions options) {
+    if (options.psnr.empty() && options.quality.empty())
+        options.quality = {40, 48, 56, 64, 72, 78};
+    if (options.efforts.empty())
+        options.efforts = {most_effort};
+    if (options.rivals.empty())
+        options.rivals = "avif,avif:planes,jxl";
+    return options;
+}
+
 } // namespace
 
-Result<RdReport> run_rd(const RdOptions& options) {
+Result<RdReport> run_rd(const RdOptions& requested) {
+    const RdOptions options = requested.pictures ? of_pictures(requested) : requested;
     TESSERA_TRY_ASSIGN(const auto rivals, rivals_named(!options.rivals.empty() ? options.rivals
                                                        : options.quick         ? "quick"
                                                                                : "all"));

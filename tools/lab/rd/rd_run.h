@@ -15,8 +15,9 @@ struct RdOptions {
     std::vector<double> psnr, quality; // both empty: the usual PSNRs
     std::vector<int> efforts;          // empty: the usual effort
     std::string rivals;                // empty: all, or the fast ones if `quick`
-    std::string anchor;                // a codec's id; empty: x265 if it ran, else tessera
+    std::string anchor; // a codec's id; empty: x265 (AVIF for pictures) if it ran, else tessera
     bool quick = false;
+    bool pictures = false; // textures of one view, compared with picture codecs
     unsigned samples = 16;
     bool on_sphere = false;
     std::string cache; // empty: output/cache
