@@ -7,6 +7,7 @@
 #include "format/sampler.h"
 #include "format/status.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
@@ -19,20 +20,22 @@ namespace TESSERA_PUBLIC tessera {
 
 // What a layer holds. The numbers are those of FORMAT.md 1.7.
 enum class LayerRole : std::uint8_t {
-    diffuse = 0,     // the light that leaves the surface diffusely
-    emission = 1,    // the light that it emits
-    specular = 2,    // reflectance at normal incidence
-    roughness = 3,   // 0 is a mirror
-    normal = 4,      // x and y of the bumped normal in the frame of the mesh
-    visibility = 5,  // the share of each light that reaches the surface
-    reflection = 6,  // the light that arrives from mirrored directions
-    coverage = 7,    // where it is below least_coverage, there is no surface
-    environment = 8, // distant light from mirrored directions, in lobes of roughness along u
+    diffuse = 0,            // the light that leaves the surface diffusely
+    emission = 1,           // the light that it emits
+    specular = 2,           // reflectance at normal incidence
+    roughness = 3,          // 0 is a mirror
+    normal = 4,             // x and y of the bumped normal in the frame of the mesh
+    visibility = 5,         // the share of each light that reaches the surface
+    reflection = 6,         // the light that arrives from mirrored directions
+    coverage = 7,           // where it is below least_coverage, there is no surface
+    environment = 8,        // distant light from mirrored directions, in lobes of roughness along u
+    difference = 9,         // what display values change by, by the mirrored direction
+    shared_difference = 10, // the same of all places, with more directions
 };
 template <>
-inline constexpr std::array<const char*, 9> value_names<LayerRole>{
-    "diffuse",    "emission",   "specular", "roughness",  "normal",
-    "visibility", "reflection", "coverage", "environment"};
+inline constexpr std::array<const char*, 11> value_names<LayerRole>{
+    "diffuse",    "emission", "specular",    "roughness",  "normal",           "visibility",
+    "reflection", "coverage", "environment", "difference", "shared_difference"};
 
 inline constexpr double least_coverage = 0.5;
 
@@ -84,6 +87,16 @@ struct LayerFile {
 Result<std::vector<std::byte>> join_layers(std::span<const std::byte> first, float scale,
                                            std::span<const LayerFile> further,
                                            std::span<const DistantLight> lights);
+
+// Whether samples of a layer are signed: differences.
+inline bool is_signed(LayerRole role) {
+    return role == LayerRole::difference || role == LayerRole::shared_difference;
+}
+
+// The value of a sample of a signed layer, without its scale: -1 to 1. 128 of 255 is 0.
+inline double signed_value(double sample) {
+    return std::clamp((255.0 * sample - 128.0) / 127.0, -1.0, 1.0);
+}
 
 // Whether the texture of a layer has the channels and the sides along s and t that its role needs.
 // Errors: invalid_file, without the file's name.

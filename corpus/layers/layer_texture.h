@@ -18,6 +18,7 @@ struct LayerTexture {
     double scale = 1.0;          // the light of a sample of 1
     Transfer transfer = Transfer::unspecified;
     Extent4 tile{64, 64, 1, 1};
+    double quality_change = 0; // against the usual quality of its role
 };
 
 // All texels are 0 and masked. The mask has the size of the texture.

@@ -131,7 +131,18 @@ struct Model {
     std::vector<ModelLamp> lamps;
     std::vector<ModelCamera> cameras; // with different names
     std::vector<std::string> notes;   // what is missing or ignored, for people
+    // load_model() has moved and scaled the model: (place in the file - middle) * scale.
+    glm::dvec3 middle{0.0};
+    double scale = 1.0;
 };
+
+// Moves the vertices back to where the file has them. Lamps stay.
+inline void restore_placement(Model& model) {
+    for (ModelVertex& vertex : model.vertices)
+        vertex.position = glm::vec3(glm::dvec3(vertex.position) / model.scale + model.middle);
+    model.middle = glm::dvec3(0.0);
+    model.scale = 1.0;
+}
 
 // The normal of a triangle. Its length is twice the area.
 inline glm::dvec3 area_vector(const Model& model, const ModelTriangle& triangle) {

@@ -177,6 +177,8 @@ Result<Model> ModelBuilder::finish() && {
     for (const ModelVertex& v : model_.vertices)
         radius = std::max(radius, glm::length(glm::dvec3(v.position) - middle));
     const double scale = paper_radius / radius;
+    model_.middle = middle;
+    model_.scale = scale;
     for (ModelVertex& v : model_.vertices)
         v.position = glm::vec3((glm::dvec3(v.position) - middle) * scale);
     for (ModelMaterial& material : model_.materials)

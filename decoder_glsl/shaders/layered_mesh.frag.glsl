@@ -1,7 +1,7 @@
 // Fragments of a mesh whose file has layers (FORMAT.md 5.6), as display values. The host defines
 // TESSERA_TEXTURES and, for each layer besides the diffuse one, which is texture 0, a macro with the
 // number of its texture: TESSERA_LAYER_EMISSION, _SPECULAR, _ROUGHNESS, _NORMAL, _VISIBILITY,
-// _REFLECTION, _COVERAGE and _ENVIRONMENT. TESSERA_LIGHTS is the number of lights; it is not defined
+// _REFLECTION, _COVERAGE, _ENVIRONMENT, _DIFFERENCE and _SHARED_DIFFERENCE. TESSERA_LIGHTS is the number of lights; it is not defined
 // if there are none. With TESSERA_COVERAGE_ONLY, the program is for the pass that draws depths.
 #include "sample.glsl"
 #include "layers.glsl"
@@ -142,6 +142,15 @@ vec3 tsr_environment(TsrMeshFrame frame, vec3 view, float roughness) {
 }
 #endif
 
+#if defined(TESSERA_LAYER_DIFFERENCE) || defined(TESSERA_LAYER_SHARED_DIFFERENCE)
+// What the display value changes by. mirror.z: the bumped normal
+vec3 tsr_difference(int layer, TsrMeshFrame mirror, vec3 view, vec2 covered) {
+    tsr_select(layer);
+    vec4 texel = tsr_sample_layer(tsr_taps_towards(mirror, view), covered);
+    return tsr_signed_value(texel.xyz) * tsr_scales[layer].x;
+}
+#endif
+
 #ifdef TESSERA_COVERAGE_ONLY
 void main() {
     if (tsr_is_hole())
@@ -162,6 +171,8 @@ void main() {
     normal = tsr_bumped_normal(frame, tsr_sample_flat(TESSERA_LAYER_NORMAL, covered).xw);
 #endif
     normal = tsr_facing_normal(normal, view);
+    TsrMeshFrame mirror = frame;
+    mirror.z = normal;
     vec3 light = tsr_flat_value(0, covered);
     vec3 reflected = vec3(1.0);
 #ifdef TESSERA_LAYER_SPECULAR
@@ -175,8 +186,6 @@ void main() {
 #ifdef TESSERA_LIGHTS
     TsrLightSum sum = tsr_light_of_lights(reflectance, covered);
 #ifdef TESSERA_LAYER_ENVIRONMENT
-    TsrMeshFrame mirror = frame;
-    mirror.z = normal;
     light += tsr_with_environment(
         sum, reflected * tsr_environment(mirror, view, reflectance.roughness),
         reflectance.roughness);
@@ -187,14 +196,19 @@ void main() {
 #endif
 #ifdef TESSERA_LAYER_REFLECTION
     tsr_select(TESSERA_LAYER_REFLECTION);
-    frame.z = normal;
-    vec4 mirrored = tsr_sample_layer(tsr_taps_towards(frame, view), covered);
+    vec4 mirrored = tsr_sample_layer(tsr_taps_towards(mirror, view), covered);
     light += reflected * tsr_value(TESSERA_LAYER_REFLECTION, mirrored);
 #endif
 #ifdef TESSERA_LAYER_EMISSION
     light += tsr_flat_value(TESSERA_LAYER_EMISSION, covered);
 #endif
-    tsr_colour =
-        vec4(tsr_displayed(light.x), tsr_displayed(light.y), tsr_displayed(light.z), 1.0);
+    vec3 shown = vec3(tsr_displayed(light.x), tsr_displayed(light.y), tsr_displayed(light.z));
+#ifdef TESSERA_LAYER_DIFFERENCE
+    shown += tsr_difference(TESSERA_LAYER_DIFFERENCE, mirror, view, covered);
+#endif
+#ifdef TESSERA_LAYER_SHARED_DIFFERENCE
+    shown += tsr_difference(TESSERA_LAYER_SHARED_DIFFERENCE, mirror, view, covered);
+#endif
+    tsr_colour = vec4(clamp(shown, 0.0, 1.0), 1.0);
 }
 #endif

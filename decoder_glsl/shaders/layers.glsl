@@ -45,6 +45,11 @@ float tsr_displayed(float light) {
     return x <= 0.0031308f ? 12.92f * x : 1.055f * pow(x, 1.0f / 2.4f) - 0.055f;
 }
 
+// The value of a sample of a layer of differences, without its scale: -1 to 1.
+vec3 tsr_signed_value(vec3 texel) {
+    return clamp((texel * 255.0f - vec3(tsr_flat_sample)) / 127.0f, -1.0f, 1.0f);
+}
+
 // The bumped normal of unit length. `value`: both channels of the normal layer, 0..1.
 vec3 tsr_bumped_normal(TsrMeshFrame frame, vec2 value) {
     vec2 xy = (value * 255.0f - vec2(tsr_flat_sample)) / 127.0f;

@@ -128,8 +128,8 @@ const LayerInfo* Layers::find(LayerRole role) const {
 
 Status check_layer(LayerRole role, const TextureDesc& desc, const Description& description,
                    std::size_t lights) {
-    constexpr std::array<unsigned, value_names<LayerRole>.size()> channels{3, 3, 3, 1, 2,
-                                                                           1, 3, 1, 3};
+    constexpr std::array<unsigned, value_names<LayerRole>.size()> channels{3, 3, 3, 1, 2, 1,
+                                                                           3, 1, 3, 3, 3};
     const std::string name = std::string("the ") + name_of(role) + " layer has ";
     if (desc.channels != channels[static_cast<std::size_t>(role)])
         return invalid(name + std::to_string(desc.channels) + " channels, not " +
@@ -139,7 +139,7 @@ Status check_layer(LayerRole role, const TextureDesc& desc, const Description& d
         if (directions < lights)
             return invalid(name + std::to_string(directions) + " directions for " +
                            std::to_string(lights) + " lights");
-    } else if (role == LayerRole::reflection || role == LayerRole::environment) {
+    } else if (role == LayerRole::reflection || role == LayerRole::environment || is_signed(role)) {
         if (role == LayerRole::environment && desc.size[axis_v] != 1)
             return invalid(name + std::to_string(desc.size[axis_v]) + " rows of places, not 1");
         if (description.angular_map != AngularMap::octahedral_mirrored)

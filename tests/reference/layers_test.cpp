@@ -32,11 +32,13 @@ Bytes joined_layers() {
                 specular = small_layer({20, 17, 1, 1}, 3, AngularMap::none),
                 visibility = small_layer({5, 5, 2, 1}, 1, AngularMap::none),
                 reflection = small_layer({2, 3, 4, 4}, 3, AngularMap::octahedral_mirrored),
-                environment = small_layer({3, 1, 8, 8}, 3, AngularMap::octahedral_mirrored);
-    const std::vector<LayerFile> further{{LayerRole::specular, 1.0f, specular},
-                                         {LayerRole::visibility, 1.0f, visibility},
-                                         {LayerRole::reflection, 3.0f, reflection},
-                                         {LayerRole::environment, 9.0f, environment}};
+                environment = small_layer({3, 1, 8, 8}, 3, AngularMap::octahedral_mirrored),
+                difference = small_layer({3, 2, 4, 4}, 3, AngularMap::octahedral_mirrored),
+                shared = small_layer({1, 1, 9, 9}, 3, AngularMap::octahedral_mirrored);
+    const std::vector<LayerFile> further{
+        {LayerRole::specular, 1.0f, specular},     {LayerRole::visibility, 1.0f, visibility},
+        {LayerRole::reflection, 3.0f, reflection}, {LayerRole::environment, 9.0f, environment},
+        {LayerRole::difference, 0.5f, difference}, {LayerRole::shared_difference, 0.25f, shared}};
     const std::vector<DistantLight> lights{{{0.6f, 0.8f, 0}, 0.1f, {1, 2, 3}},
                                            {{0, 0, -1}, 0, {0, 1, 0.5f}}};
     const auto file = join_layers(diffuse, 0.75f, further, lights);
@@ -108,6 +110,12 @@ TEST(LayerAgreement, ForgedTables) {
         }
     EXPECT_GT(accepted, 50u);
     EXPECT_GT(refused, 50u);
+}
+
+TEST(LayerAgreement, SignedSamplesAreTheSame) {
+    for (int code = 0; code < 256; ++code)
+        EXPECT_EQ(reference::difference_of(code / 255.0), signed_value(code / 255.0)) << code;
+    EXPECT_EQ(signed_value(128 / 255.0), 0.0);
 }
 
 reference::Vector vector_of(const glm::dvec3& v) {

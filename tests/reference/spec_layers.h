@@ -30,6 +30,8 @@ struct LayerValues {
 Vector normal_of(const LayerValues& values, const Frame& frame, const Vector& d);
 // The linear light that leaves towards d.
 Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d);
+// What a sample of the layers 9 and 10 stands for, without the scale.
+double difference_of(double sample);
 
 namespace spec {
 

@@ -74,7 +74,19 @@ std::vector<LayerDesign> designs() {
              3,
              4.0f,
              Transfer::srgb,
-             [](int u, int, int s, int t, int c) { return waves(s + u, t, c, 9 + u); }}};
+             [](int u, int, int s, int t, int c) { return waves(s + u, t, c, 9 + u); }},
+            {LayerRole::difference,
+             {16, 16, 4, 4},
+             3,
+             0.2f,
+             Transfer::unspecified,
+             [](int u, int v, int s, int t, int c) { return waves(u + s, v + 2 * t, c, 10); }},
+            {LayerRole::shared_difference,
+             {1, 1, 16, 16},
+             3,
+             0.1f,
+             Transfer::unspecified,
+             [](int, int, int s, int t, int c) { return waves(s, t, c, 8); }}};
 }
 
 // In all directions, with sharp and wide highlights.
@@ -178,7 +190,9 @@ TEST_F(GpuLayers, LookAsOnTheCpu) {
                        {{specular, roughness, normal, visibility, reflection, environment}, true},
                        {{specular, visibility, coverage}, true},
                        {{specular, normal, reflection}, true}, // lights that nothing blocks
-                       {{emission, reflection}, false}};
+                       {{emission, reflection}, false},
+                       {{difference, shared_difference}, false},
+                       {{specular, reflection, difference}, true}};
     const std::vector<std::byte> stream = stream_of(box_and_ball());
     const SurfaceMesh mesh = decoded(stream);
     for (const auto& [roles, lit] : files) {

@@ -126,5 +126,22 @@ TEST(LayeredRenderer, EnvironmentReplacesLightsWithSpread) {
     EXPECT_EQ(seen.z, 0.0);
 }
 
+// Differences change display values, not light, and add up.
+TEST(LayeredRenderer, DifferencesChangeDisplayValues) {
+    auto diffuse = picture(3, [](int, int) { return 0.5; });
+    test::MemoryTexture difference({{2, 2, 4, 4}, SampleType::unorm8, 3},
+                                   [](int, int, int, int, int c) { return c == 0 ? 1.0 : 0.25; });
+    test::MemoryTexture shared({{1, 1, 8, 8}, SampleType::unorm8, 3},
+                               [](int, int, int, int, int) { return 0.0; });
+    const std::vector<DrawnLayer> layers{
+        {LayerRole::diffuse, 1.0, &diffuse, tile, Transfer::srgb},
+        {LayerRole::difference, 0.3, &difference, {2, 2, 4, 4}, Transfer::unspecified},
+        {LayerRole::shared_difference, 0.1, &shared, {1, 1, 8, 8}, Transfer::unspecified}};
+    const double half = std::round(127.5) / 255;
+    const glm::dvec3 seen = seen_at(*renderer_of(layers), 0.0);
+    EXPECT_NEAR(seen.x, half + 0.3 - 0.1, 1e-4);
+    EXPECT_NEAR(seen.y, half + 0.3 * (std::round(63.75) - 128) / 127 - 0.1, 1e-4);
+}
+
 } // namespace
 } // namespace tessera

@@ -33,6 +33,7 @@ void add_bench_command(CLI::App& app, Invocation& chosen);
 void add_compare_command(CLI::App& app, Invocation& chosen);
 void add_decode_command(CLI::App& app, Invocation& chosen);
 void add_encode_command(CLI::App& app, Invocation& chosen);
+void add_fit_command(CLI::App& app, Invocation& chosen);
 void add_info_command(CLI::App& app, Invocation& chosen);
 void add_rd_command(CLI::App& app, Invocation& chosen);
 void add_render_command(CLI::App& app, Invocation& chosen);

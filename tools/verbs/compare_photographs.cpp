@@ -7,6 +7,7 @@
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/warnings.h"
+#include "tools/verbs/photograph_figures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,35 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using corpus::PhotoPixels;
 using corpus::PosedPhotograph;
-
-struct ComparedPhotograph {
-    std::string name;
-    double mse = 0;             // of codes of 8 bits
-    double weight = 0;          // pixels that count
-    std::optional<double> ssim; // absent where a mask leaves pixels out
-    double psnr() const { return psnr_of(mse, 255); }
-};
-
-struct PhotographFigures {
-    double psnr = 0, worst_psnr = 0; // mean over the photographs
-    double pixel_psnr = 0;           // of the mean error of all pixels
-    std::string worst;
-    std::optional<double> ssim;
-};
-
-Result<glm::dvec3> parse_background(const std::string& text) {
-    if (text.empty() || text == "black")
-        return glm::dvec3(0.0);
-    if (text == "white")
-        return glm::dvec3(1.0);
-    double numbers[3];
-    if (!parse_numbers(text, numbers) ||
-        !std::ranges::all_of(numbers, [](double x) { return x >= 0 && x <= 1; }))
-        return Status(ErrorCode::bad_argument, "--background '" + text +
-                                                   "' is neither white nor black nor three numbers "
-                                                   "from 0 to 1, such as 0.5,0.5,0.5");
-    return glm::dvec3(numbers[0], numbers[1], numbers[2]);
-}
 
 // A picture without a camera.
 Result<PosedPhotograph> plain_photograph(const fs::path& path) {
@@ -105,40 +77,6 @@ Result<PosedPhotograph> drawn_picture(const std::string& folder, const std::stri
     return Status(ErrorCode::difference, folder + "/" + name + ".png: does not exist");
 }
 
-float photo_code(float value) {
-    return std::round(255 * value);
-}
-
-// BT.709 luma of the codes, as in ErrorSums.
-std::vector<float> photo_luma(const PhotoPixels& pixels) {
-    std::vector<float> luma;
-    luma.reserve(pixels.texels.size());
-    for (const auto& [r, g, b, weight] : pixels.texels)
-        luma.push_back(0.2126f * photo_code(r) + 0.7152f * photo_code(g) + 0.0722f * photo_code(b));
-    return luma;
-}
-
-ComparedPhotograph compare_pixels(const PhotoPixels& photograph, const PhotoPixels& drawn) {
-    ComparedPhotograph compared;
-    double squares = 0;
-    bool is_masked = false;
-    for (std::size_t i = 0; i < photograph.texels.size(); ++i) {
-        const double weight = static_cast<double>(photograph.texels[i][3]);
-        is_masked = is_masked || weight < 1;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const auto error = static_cast<double>(photo_code(photograph.texels[i][c]) -
-                                                   photo_code(drawn.texels[i][c]));
-            squares += weight * error * error;
-        }
-        compared.weight += weight;
-    }
-    compared.mse = compared.weight > 0 ? squares / (3 * compared.weight) : 0;
-    if (!is_masked)
-        compared.ssim = ssim(photo_luma(photograph), photo_luma(drawn), photograph.width,
-                             photograph.height, 255);
-    return compared;
-}
-
 Result<ComparedPhotograph> compare_one(const PosedPhotograph& photograph, const std::string& name,
                                        const std::string& folder, const glm::dvec3& background) {
     TESSERA_TRY(check_interrupt());
@@ -155,33 +93,6 @@ Result<ComparedPhotograph> compare_one(const PosedPhotograph& photograph, const 
     ComparedPhotograph compared = compare_pixels(seen, pixels);
     compared.name = name;
     return compared;
-}
-
-// Identical pictures have no PSNR; they count as 100 dB in the mean.
-PhotographFigures figures_of(const std::vector<ComparedPhotograph>& photographs) {
-    constexpr double most_psnr = 100;
-    PhotographFigures figures;
-    figures.worst_psnr = most_psnr + 1;
-    double psnr = 0, ssim = 0, squares = 0, weight = 0;
-    bool has_ssim = true;
-    for (const ComparedPhotograph& photograph : photographs) {
-        const double own = std::min(photograph.psnr(), most_psnr);
-        psnr += own;
-        squares += photograph.mse * photograph.weight;
-        weight += photograph.weight;
-        has_ssim = has_ssim && photograph.ssim;
-        ssim += photograph.ssim.value_or(0);
-        if (own < figures.worst_psnr) {
-            figures.worst_psnr = own;
-            figures.worst = photograph.name;
-        }
-    }
-    const auto count = static_cast<double>(photographs.size());
-    figures.psnr = psnr / count;
-    figures.pixel_psnr = psnr_of(weight > 0 ? squares / weight : 0, 255);
-    if (has_ssim)
-        figures.ssim = ssim / count;
-    return figures;
 }
 
 Json finite_or_null(double value) {
@@ -208,26 +119,6 @@ Json photographs_json(const PhotographComparison& a, const PhotographFigures& fi
     json["passed"] = missed.empty();
     json["missed"] = missed;
     return json;
-}
-
-std::string ssim_text(const std::optional<double>& ssim) {
-    return ssim ? format_number(*ssim, 5) : "masked";
-}
-
-void print_photographs(const PhotographFigures& figures,
-                       const std::vector<ComparedPhotograph>& photographs) {
-    std::size_t width = 10;
-    for (const ComparedPhotograph& photograph : photographs)
-        width = std::max(width, photograph.name.size());
-    const auto row = [width](const std::string& name, double psnr, const std::string& ssim) {
-        std::printf("%-*s %9s %9s\n", static_cast<int>(width), printable(name).c_str(),
-                    std::isfinite(psnr) ? format_number(psnr, 2).c_str() : "exact", ssim.c_str());
-    };
-    std::printf("%-*s %9s %9s\n", static_cast<int>(width), "photograph", "PSNR dB", "SSIM");
-    for (const ComparedPhotograph& photograph : photographs)
-        row(photograph.name, photograph.psnr(), ssim_text(photograph.ssim));
-    row("mean", figures.psnr, ssim_text(figures.ssim));
-    row("all pixels", figures.pixel_psnr, "");
 }
 
 std::vector<std::string> missed_means(const PhotographComparison& a,
@@ -280,7 +171,7 @@ Status compare_photographs(const PhotographComparison& a) {
     if (a.json)
         print_json(photographs_json(a, figures, compared, missed));
     else if (!a.quiet)
-        print_photographs(figures, compared);
+        print_photographs("photograph", figures, compared);
     if (missed.empty())
         return {};
     return {ErrorCode::difference,

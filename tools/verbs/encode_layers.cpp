@@ -12,15 +12,16 @@ constexpr int quality_steps = 6; // of the search, each halves the range
 
 // The quality of a layer, so that all layers save about the same error per byte (FlightHelmet).
 double quality_of(LayerRole role, double quality) {
-    constexpr std::array<double, value_names<LayerRole>.size()> changes{4,  4, 0,  -8, 3,
-                                                                        -3, 0, -4, 16};
+    constexpr std::array<double, value_names<LayerRole>.size()> changes{4, 4,  0,  -8, 3, -3,
+                                                                        0, -4, 16, 0,  0};
     return std::clamp(quality + changes[static_cast<std::size_t>(role)], least_quality,
                       most_quality);
 }
 
 Result<CodedLayer> encode_layer(const corpus::LayerTexture& texture, EncodeOptions options,
                                 double quality) {
-    options.rate = {RateTarget::Kind::quality, quality_of(texture.role, quality)};
+    options.rate = {RateTarget::Kind::quality,
+                    quality_of(texture.role, quality + texture.quality_change)};
     MemorySource source(texture.desc, texture.texels), mask(texture.mask_desc, texture.mask);
     options.mask = &mask;
     options.tile_extent = texture.tile;

@@ -146,13 +146,13 @@ void add_verbs(CLI::App& app, std::span<const Verb> verbs, Invocation& chosen) {
 } // namespace
 
 std::span<const Verb> all_verbs() {
-    static const Verb verbs[] = {{"bake", add_bake_command},     {"encode", add_encode_command},
-                                 {"decode", add_decode_command}, {"compare", add_compare_command},
-                                 {"info", add_info_command},     {"validate", add_validate_command},
-                                 {"sheet", add_sheet_command},   {"shaders", add_shaders_command},
-                                 {"render", add_render_command}, {"bench", add_bench_command},
-                                 {"rd", add_rd_command},         {"view", add_view_command},
-                                 {"serve", add_serve_command}};
+    static const Verb verbs[] = {{"bake", add_bake_command},         {"fit", add_fit_command},
+                                 {"encode", add_encode_command},     {"decode", add_decode_command},
+                                 {"compare", add_compare_command},   {"info", add_info_command},
+                                 {"validate", add_validate_command}, {"sheet", add_sheet_command},
+                                 {"shaders", add_shaders_command},   {"render", add_render_command},
+                                 {"bench", add_bench_command},       {"rd", add_rd_command},
+                                 {"view", add_view_command},         {"serve", add_serve_command}};
     return verbs;
 }
 

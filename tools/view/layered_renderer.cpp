@@ -127,6 +127,10 @@ Result<std::optional<glm::dvec4>> LayeredRenderer::value(Readers& readers, Layer
         const DrawnLayer& drawn = layer.drawn();
         if (role == LayerRole::normal || role == LayerRole::coverage)
             return std::optional(value); // not light
+        if (is_signed(role))
+            return std::optional(drawn.scale * glm::dvec4(signed_value(value.x),
+                                                          signed_value(value.y),
+                                                          signed_value(value.z), 0.0));
         glm::dvec3 light = linear(glm::dvec3(value), drawn.transfer);
         if (role == LayerRole::environment)
             light *= light;
@@ -237,15 +241,20 @@ Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camer
     }
     SurfaceFrame frame = hit->point.frame;
     frame.ez = reflectance.normal;
-    TESSERA_TRY_ASSIGN(
-        const auto reflection,
-        get(LayerRole::reflection, octahedral_place(AngularMap::octahedral_mirrored, frame, view)));
+    const glm::dvec2 mirrored = octahedral_place(AngularMap::octahedral_mirrored, frame, view);
+    TESSERA_TRY_ASSIGN(const auto reflection, get(LayerRole::reflection, mirrored));
     if (reflection)
         light += reflected * glm::dvec3(*reflection);
     TESSERA_TRY_ASSIGN(const auto emission, get(LayerRole::emission));
     if (emission)
         light += glm::dvec3(*emission);
-    return corpus::Display().value(light);
+    glm::dvec3 shown = corpus::Display().value(light);
+    for (const LayerRole role : {LayerRole::difference, LayerRole::shared_difference}) {
+        TESSERA_TRY_ASSIGN(const auto difference, get(role, mirrored));
+        if (difference)
+            shown += glm::dvec3(*difference);
+    }
+    return glm::clamp(shown, 0.0, 1.0);
 }
 
 } // namespace

@@ -42,6 +42,8 @@ export const LAYER_ROLE: {
     readonly reflection: 6;
     readonly coverage: 7;
     readonly environment: 8;
+    readonly difference: 9;
+    readonly sharedDifference: 10;
 };
 
 /** Level 0 is the texture; levels above 0 are coarser copies. */

@@ -1,9 +1,9 @@
 // What the layers after the first one add to its light (FORMAT.md 5.6), like tools/view/layered_renderer.cpp. Each
 // layer is a picture with its mips, in the layout of class SlotLayout. Arrays are indexed by roles.
 uniform sampler2D emissionLayer, specularLayer, roughnessLayer, normalLayer, visibilityLayer, reflectionLayer,
-    coverageLayer, environmentLayer;
-uniform ivec4 layers[9];      // x: number of the atlas, -1: not loaded; y: 1 for transfer sRGB; z, w: pixels per texel
-uniform float layerScales[9];
+    coverageLayer, environmentLayer, differenceLayer, sharedDifferenceLayer;
+uniform ivec4 layers[11];     // x: number of the atlas, -1: not loaded; y: 1 for transfer sRGB; z, w: pixels per texel
+uniform float layerScales[11];
 uniform sampler2D lights;     // a row per light: direction and spread; irradiance and the sample if it is not blocked
 uniform int lightCount;
 
@@ -57,7 +57,7 @@ int missing(int role) {
 }
 
 const int emission = 1, specular = 2, roughness = 3, normal = 4, visibility = 5, reflection = 6,
-    coverage = 7, environment = 8;
+    coverage = 7, environment = 8, difference = 9, sharedDifference = 10;
 
 // A layer of several directions in the one that is mirrored about the normal, at `places`.
 vec4 mirroredSample(sampler2D layer, int role, TsrMeshFrame frame, vec3 direction) {
@@ -74,6 +74,16 @@ vec4 mirroredSample(sampler2D layer, int role, TsrMeshFrame frame, vec3 directio
 
 vec3 reflectedLight(TsrMeshFrame frame, vec3 direction) {
     return lightOf(mirroredSample(reflectionLayer, reflection, frame, direction).rgb, reflection);
+}
+
+// What the display value changes by.
+vec3 differenceAt(sampler2D layer, int role, vec2 uv, vec2 footprint, TsrMeshFrame frame, vec3 direction) {
+    vec3 change = vec3(0.0);
+    for (int once = missing(role); once < 1; ++once) {
+        findPlaces(layers[role].x, uv, footprint);
+        change = layerScales[role] * tsr_signed_value(mirroredSample(layer, role, frame, direction).rgb);
+    }
+    return change;
 }
 
 vec3 environmentLight(TsrMeshFrame frame, vec3 direction, float roughness) {
@@ -169,5 +179,8 @@ vec3 withLayers(vec3 diffuse, vec2 uv, vec2 footprint, TsrMeshFrame frame, vec3 
         findPlaces(layers[emission].x, uv, footprint);
         light += lightOf(layerAt(emissionLayer, ivec2(1), ivec2(0)).rgb, emission);
     }
-    return vec3(tsr_displayed(light.r), tsr_displayed(light.g), tsr_displayed(light.b));
+    vec3 shown = vec3(tsr_displayed(light.r), tsr_displayed(light.g), tsr_displayed(light.b)) +
+                 differenceAt(differenceLayer, difference, uv, footprint, frame, direction) +
+                 differenceAt(sharedDifferenceLayer, sharedDifference, uv, footprint, frame, direction);
+    return clamp(shown, 0.0, 1.0);
 }
