@@ -275,7 +275,7 @@ void Journal::remove() {
     empty();
     sys::remove_file(file("lock"));
     sys::drop(std::exchange(lock_, -1)); // Windows removes the file's name only now
-    sys::remove_empty_folder(folder_);    // fails if there are other files in it
+    sys::remove_empty_folder(folder_);   // fails if there are other files in it
 }
 
 Status Journal::refuse_resume(const std::string& difference) const {
