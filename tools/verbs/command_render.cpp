@@ -1,4 +1,5 @@
 #include "corpus/bake.h"
+#include "format/output_file.h"
 #include "tools/http/open_bytes.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
@@ -33,7 +34,7 @@ struct RenderCommand {
 
 // "v-2.png" -> "v-2-truth.png".
 std::string beside(const std::string& output, const std::string& what) {
-    std::filesystem::path path(output);
+    std::filesystem::path path = to_path(output);
     path.replace_filename(path.stem().string() + "-" + what + path.extension().string());
     return path.string();
 }
@@ -49,7 +50,7 @@ Status check_outputs(const RenderCommand& a, const std::vector<PlannedView>& pla
     }
     if (a.sheet.empty())
         return {};
-    if (std::filesystem::path(a.sheet).extension() != ".png")
+    if (to_path(a.sheet).extension() != ".png")
         return {ErrorCode::bad_argument, a.sheet + ": a sheet is a .png"};
     std::uint64_t pixels = 0;
     for (const PlannedView& view : plan) {
