@@ -5,11 +5,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace TESSERA_PUBLIC tessera {
+
+// Paths in this library are UTF-8. Where std::filesystem wants a path, a std::string would be taken
+// to be in the system's code page on Windows, so it is converted by this. Bytes that are not UTF-8
+// stay as they are, but on Windows become U+FFFD. Thread-safe.
+std::filesystem::path to_path(const std::string& utf8);
 
 // What writing to `path` creates or replaces: `path` itself or, where that is a symbolic link, what
 // it points to, which need not exist. Errors: io (a loop of links).

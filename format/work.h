@@ -11,6 +11,7 @@
 #include <mutex>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace TESSERA_PUBLIC tessera {
@@ -23,6 +24,28 @@ using ProgressFunction = std::function<void(const char* stage, double done, doub
 inline unsigned thread_count(unsigned wished) {
     return wished > 0 ? wished : std::max(1u, std::thread::hardware_concurrency());
 }
+
+// Threads that end before the object does.
+class JoinedThreads {
+public:
+    JoinedThreads() = default;
+    ~JoinedThreads() { join(); }
+    JoinedThreads(const JoinedThreads&) = delete;
+    JoinedThreads& operator=(const JoinedThreads&) = delete;
+
+    // Runs `body`, which takes no argument, on a new thread. Throws std::system_error if the system
+    // starts no more threads. Not thread-safe.
+    template <class Body> void start(Body body) { threads_.emplace_back(std::move(body)); }
+    // Waits for all threads.
+    void join() {
+        for (std::thread& thread : threads_)
+            thread.join();
+        threads_.clear();
+    }
+
+private:
+    std::vector<std::thread> threads_;
+};
 
 // Calls work(worker, i), which returns a Status, once for every i below `count`. There is one
 // thread per element of `workers`, at least one, and each thread passes its own. The order of the
@@ -60,15 +83,14 @@ Status parallel_for(std::vector<Worker>& workers, std::size_t count, Work work, 
                 tick(i);
         }
     };
-    std::vector<std::jthread> threads;
-    threads.reserve(workers.size());
+    JoinedThreads threads;
     try {
         for (std::size_t w = 1; w < workers.size() && w < count; ++w)
-            threads.emplace_back([&run, &workers, w] { run(workers[w], false); });
+            threads.start([&run, &workers, w] { run(workers[w], false); });
     } catch (const std::system_error&) { // the threads that could start do all the work
     }
     run(workers[0], true);
-    threads.clear();
+    threads.join();
     return first_error;
 }
 

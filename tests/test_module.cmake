@@ -3,7 +3,8 @@
 # Builds MODULE/*_test.cpp as one program, MODULE_tests, and adds one ctest test per file,
 # MODULE.file. A file's tests run in one process and create their fixtures once. Labels: the module;
 # `slow` for files in SLOW, which tools/test.sh --fast skips; `threads` for files in THREADS, which
-# --sanitize thread runs. Files in WITHOUT are not built.
+# --sanitize thread runs. Files in WITHOUT are not built, nor NAME_posix_test.cpp
+# and NAME_windows_test.cpp on other systems.
 set(test_timeout 600) # seconds
 if(TESSERA_SANITIZE)
     set(test_timeout 3000)
@@ -12,6 +13,16 @@ endif()
 function(tessera_tests module)
     cmake_parse_arguments(ARG "" "" "SLOW;THREADS;WITHOUT;USES" ${ARGN})
     file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${module}/*_test.cpp)
+    set(other_systems windows)
+    if(WIN32)
+        set(other_systems posix)
+    endif()
+    list(FILTER files EXCLUDE REGEX "_${other_systems}_test\\.cpp$")
+    foreach(file IN LISTS files)
+        if(file MATCHES "_windows_test\\.cpp$") # <windows.h> defines macros such as `near`
+            set_source_files_properties(${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+        endif()
+    endforeach()
     foreach(name IN LISTS ARG_WITHOUT)
         list(REMOVE_ITEM files ${CMAKE_CURRENT_SOURCE_DIR}/${module}/${name}.cpp)
     endforeach()

@@ -1,12 +1,14 @@
 // The program `tessera`: what concerns the whole process, around run_tool().
 #include "format/status.h"
 #include "tools/support/interrupt.h"
+#include "tools/support/system.h"
 #include "tools/verbs/command.h"
 
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string>
+#include <vector>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -28,9 +30,15 @@ void keep_freed_memory() {
 int main(int argc, char** argv) {
     int code = static_cast<int>(tessera::ErrorCode::runtime);
     keep_freed_memory();
+    tessera::set_up_standard_streams();
     tessera::install_signal_handlers();
     try {
-        code = tessera::run_tool(argc, argv);
+        std::vector<std::string> words = tessera::command_line(argc, argv);
+        std::vector<char*> pointers;
+        for (std::string& word : words)
+            pointers.push_back(word.data());
+        pointers.push_back(nullptr);
+        code = tessera::run_tool(static_cast<int>(words.size()), pointers.data());
     } catch (const std::bad_alloc&) {
         std::fputs("tessera: error: out of memory\n", stderr);
     } catch (const std::exception& e) {
@@ -38,9 +46,7 @@ int main(int argc, char** argv) {
     } catch (...) {
         std::fputs("tessera: error: unknown failure\n", stderr);
     }
-    if (const int signal = tessera::interrupted_by(); signal != 0 && code != 0) {
-        std::signal(signal, SIG_DFL); // so that a shell sees the signal as the reason
-        std::raise(signal);
-    }
+    if (const int signal = tessera::interrupted_by(); signal != 0 && code != 0)
+        tessera::end_by_signal(signal);
     return code;
 }

@@ -85,7 +85,7 @@ private:
 
     const float most_;
     std::array<float, filter_reaches.size()> slope_;
-    std::array<Row, filter_features> seen_;
+    std::vector<Row> seen_ = std::vector<Row>(filter_features); // 18 KiB, too much for the stack
 };
 
 using Choice = std::array<std::size_t, filter_rings>; // a feature for each ring

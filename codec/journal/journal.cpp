@@ -9,11 +9,6 @@
 #include "format/output_file.h"
 #include "format/tile/limits.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
 #include <cerrno>
@@ -174,17 +169,16 @@ std::vector<std::byte> done_head(unsigned number, const CodingParameters& parame
     return head;
 }
 
-enum class Lock { missing, free, held };
+enum class LockState { missing, free, held };
 
 // The state of the lock of an output's journal.
-Lock lock_of(const std::string& output) {
-    const std::string path = journal_path(output) + "/lock";
-    const int lock = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+LockState lock_of(const std::string& output) {
+    const int lock = sys::open(journal_path(output) + "/lock", sys::Access::read_no_link);
     if (lock < 0)
-        return Lock::missing;
-    const bool is_free = ::flock(lock, LOCK_EX | LOCK_NB) == 0;
-    ::close(lock);
-    return is_free ? Lock::free : Lock::held;
+        return LockState::missing;
+    const bool is_free = sys::lock(lock) == sys::Lock::taken;
+    sys::drop(lock);
+    return is_free ? LockState::free : LockState::held;
 }
 
 } // namespace
@@ -194,11 +188,11 @@ std::string journal_path(const std::string& output) {
 }
 
 bool is_being_encoded(const std::string& output) {
-    return lock_of(output) == Lock::held;
+    return lock_of(output) == LockState::held;
 }
 
 bool holds_finished_tiles(const std::string& output) {
-    return lock_of(output) == Lock::free && Journal::holds_tiles(journal_path(output));
+    return lock_of(output) == LockState::free && Journal::holds_tiles(journal_path(output));
 }
 
 Result<std::unique_ptr<Journal>> Journal::open(const std::string& output) {
@@ -214,54 +208,55 @@ Result<std::unique_ptr<Journal>> Journal::open(const std::string& output) {
 }
 
 Status Journal::lock() {
-    // The process that holds the lock removes the folder at its end, perhaps between our mkdir and
-    // our flock.
+    // The process that holds the lock removes the folder at its end, perhaps before we have locked
+    // the file in it.
     constexpr int attempts = 100;
     for (int attempt = 0; attempt < attempts; ++attempt) {
-        if (sys::mkdir(folder_.c_str(), 0777) < 0 && errno != EEXIST)
+        if (sys::make_folder(folder_) < 0 && errno != EEXIST)
             return sys::system_error(folder_, "cannot create", errno);
-        struct stat info = {};
-        if (::lstat(folder_.c_str(), &info) == 0 && !S_ISDIR(info.st_mode))
+        if (sys::is_other_than_folder(folder_))
             return {ErrorCode::io,
                     folder_ + ": the journal needs this name, but it is not a folder"};
         const std::string path = file("lock");
-        lock_ = sys::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+        lock_ = sys::open(path, sys::Access::update);
         if (lock_ < 0 && errno == ENOENT)
             continue;
         if (lock_ < 0) {
             const Status status = sys::system_error(path, "cannot create", errno);
-            ::rmdir(folder_.c_str()); // fails unless the folder is empty, as we made it
+            sys::remove_empty_folder(folder_); // fails unless the folder is empty, as we made it
             return status;
         }
-        if (::flock(lock_, LOCK_EX | LOCK_NB) < 0) {
+        if (const sys::Lock state = sys::lock(lock_); state != sys::Lock::taken) {
             const int error = errno;
-            ::close(std::exchange(lock_, -1));
-            if (error != EWOULDBLOCK)
+            sys::drop(std::exchange(lock_, -1));
+            if (state == sys::Lock::failed)
                 return sys::system_error(path, "cannot lock", error);
             return {ErrorCode::io, folder_ + ": another process is writing this output now"};
         }
-        struct stat held = {}, named = {};
-        if (::fstat(lock_, &held) == 0 && ::stat(path.c_str(), &named) == 0 &&
-            held.st_ino == named.st_ino && held.st_dev == named.st_dev)
+        sys::FileFacts held, named;
+        if (sys::facts_of(lock_, held) == 0 && sys::facts_of(path, named) == 0 &&
+            held.number == named.number && held.device == named.device)
             return {};
-        ::close(std::exchange(lock_, -1));
+        sys::drop(std::exchange(lock_, -1));
     }
     return {ErrorCode::io, folder_ + ": cannot be locked: other processes keep replacing it"};
 }
 
 Journal::~Journal() {
-    if (lock_ < 0)
-        return;
+    if (lock_ < 0 && !removed_)
+        return; // it was never locked
     forget_unfinished(folder_);
     if (!removed_ && !holds_tiles(folder_))
         remove();
-    ::close(lock_);
+    if (lock_ >= 0)
+        sys::drop(lock_);
 }
 
 std::vector<std::string> Journal::our_files(const std::string& folder) {
     std::vector<std::string> names;
     std::error_code error;
-    for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error))
+    for (fs::directory_iterator i(to_path(folder), error), end; !error && i != end;
+         i.increment(error))
         if (const std::string name = i->path().filename().string(); is_ours(name))
             names.push_back(name);
     return names;
@@ -271,14 +266,16 @@ std::vector<std::string> Journal::our_files(const std::string& folder) {
 void Journal::empty() {
     for (const std::string& name : our_files(folder_))
         if (name != "lock")
-            ::unlink(file(name).c_str());
+            sys::remove_file(file(name));
 }
 
 void Journal::remove() {
+    if (std::exchange(removed_, true))
+        return;
     empty();
-    ::unlink(file("lock").c_str());
-    ::rmdir(folder_.c_str()); // fails if there are other files in it
-    removed_ = true;
+    sys::remove_file(file("lock"));
+    sys::drop(std::exchange(lock_, -1)); // Windows removes the file's name only now
+    sys::remove_empty_folder(folder_);   // fails if there are other files in it
 }
 
 Status Journal::refuse_resume(const std::string& difference) const {
@@ -337,7 +334,7 @@ Status Journal::finish(unsigned number, const CodingParameters& parameters,
 }
 
 void Journal::drop(unsigned number) {
-    ::unlink(file("pass-", number).c_str());
+    sys::remove_file(file("pass-", number));
 }
 
 bool Journal::holds_tiles(const std::string& folder) {

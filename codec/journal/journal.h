@@ -1,6 +1,6 @@
 // What an encode keeps beside its output so that it can be resumed after a kill: a folder
 // "<output>.journal" with
-//   lock      held (flock) by the process that encodes
+//   lock      locked by the process that encodes
 //   head      what is encoded and how; a resume of something else is refused
 //   pass-N    the tiles of pass N (journal_tiles.h) as long as they may be needed
 //   done-N    the totals of a finished pass, so that rate control need not repeat it

@@ -5,9 +5,6 @@
 #include "format/io/crc32c.h"
 #include "format/io/system_calls.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -61,10 +58,7 @@ bool is_whole(std::span<const std::byte> record) {
 std::size_t read_some(int descriptor, std::uint64_t offset, std::span<std::byte> out) {
     std::size_t done = 0;
     while (done < out.size()) {
-        const ssize_t got = ::pread(descriptor, out.data() + done, out.size() - done,
-                                    static_cast<off_t>(offset + done));
-        if (got < 0 && errno == EINTR)
-            continue;
+        const std::int64_t got = sys::read_at(descriptor, out.subspan(done), offset + done);
         if (got <= 0)
             break;
         done += static_cast<std::size_t>(got);
@@ -84,13 +78,13 @@ std::vector<std::byte> file_header(std::span<const std::byte> pass) {
 } // namespace
 
 JournalTiles::~JournalTiles() {
-    ::close(descriptor_);
+    sys::drop(descriptor_);
 }
 
 Result<std::unique_ptr<JournalTiles>> JournalTiles::open(const std::string& path,
                                                          std::uint64_t tiles) {
-    // O_NOFOLLOW: the encoder makes no links, so a link of that name is an attack.
-    const int descriptor = sys::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    // The encoder makes no links, so a link of that name is an attack, which this refuses.
+    const int descriptor = sys::open(path, sys::Access::update);
     if (descriptor < 0)
         return sys::system_error(path, "cannot open", errno);
     return std::unique_ptr<JournalTiles>(new JournalTiles(descriptor, path, tiles));
@@ -99,7 +93,7 @@ Result<std::unique_ptr<JournalTiles>> JournalTiles::open(const std::string& path
 Status JournalTiles::begin(std::span<const std::byte> pass) {
     if (pass.size() > max_pass_bytes)
         return {ErrorCode::bad_argument, path_ + ": a pass needs more than 1 MiB to describe"};
-    if (sys::ftruncate(descriptor_, 0) < 0)
+    if (sys::truncate(descriptor_, 0) < 0)
         return sys::system_error(path_, "cannot empty", errno);
     const std::vector<std::byte> header = file_header(pass);
     TESSERA_TRY(sys::write_all(descriptor_, path_, header, 0));
@@ -111,7 +105,7 @@ Result<std::unique_ptr<JournalTiles>> JournalTiles::create_nameless(const std::s
                                                                     std::uint64_t tiles) {
     TESSERA_TRY_ASSIGN(auto store, open(path, tiles));
     const Status status = store->begin({});
-    ::unlink(path.c_str());
+    sys::remove_file(path);
     TESSERA_TRY(status);
     return store;
 }
@@ -122,7 +116,7 @@ Result<std::unique_ptr<JournalTiles>> JournalTiles::resume(const std::string& pa
     TESSERA_TRY_ASSIGN(auto store, open(path, figures.size()));
     if (!store->scan(pass, figures))
         TESSERA_TRY(store->begin(pass));
-    else if (sys::ftruncate(store->descriptor_, static_cast<off_t>(store->end_)) < 0)
+    else if (sys::truncate(store->descriptor_, store->end_) < 0)
         return sys::system_error(path, "cannot cut off its torn end", errno);
     return store;
 }

@@ -47,7 +47,8 @@ void copy_views(const Block& block, const BlockPrediction& prediction, bool smoo
     const auto& n = block.shape.n;
     const int page = tile.n[0] * tile.n[1];
     const bool along_s = prediction.from == CopyFrom::along_s;
-    std::array<std::int32_t, (max_block_side + 2) * (max_block_side + 2)> buffer;
+    const auto buffer = std::make_unique_for_overwrite<std::int32_t[]>(
+        static_cast<std::size_t>((n[0] + 2) * (n[1] + 2)));
     for (int t = 0; t < n[3]; ++t)
         for (int s = 0; s < n[2]; ++s) {
             const int from_s = block.origin[2] + (along_s ? -1 : s);
@@ -60,9 +61,9 @@ void copy_views(const Block& block, const BlockPrediction& prediction, bool smoo
             const int filter = copy_filter(smooth, half_u, half_v);
             const int before = smooth ? 1 : 0,
                       after = filter != 0 ? 1 : 0; // texels it reads
-            const Rows from = view.part(
-                block.origin[0] + (half_u >> 1) - before, block.origin[1] + (half_v >> 1) - before,
-                before + n[0] + after, before + n[1] + after, buffer.data());
+            const Rows from = view.part(block.origin[0] + (half_u >> 1) - before,
+                                        block.origin[1] + (half_v >> 1) - before,
+                                        before + n[0] + after, before + n[1] + after, buffer.get());
             kernels().copy_rows(from.first + before * (from.stride + 1), from.stride, filter,
                                 target(s, t));
         }

@@ -36,6 +36,8 @@ inline float sum_of(const Float8& s) {
 }
 
 constexpr int views_at_once = 8; // texels of a row
+// Intermediate values of more views than these would need too much stack.
+constexpr int most_views_between = 384;
 
 constexpr int cost_lanes = 8;
 struct CostLanes {
@@ -124,7 +126,10 @@ inline void column_vector(const float* in, int stride, int nu, float* tmp) {
     }
 }
 
-template <int n> void image_columns(const float* in, int stride, int nu, float* tmp) {
+// Not inlined, nor is image_rows(), so that the frame of forward_image() does not hold the variables
+// of all sizes.
+template <int n>
+__attribute__((noinline)) void image_columns(const float* in, int stride, int nu, float* tmp) {
     int u = 0;
     for (; u + 8 <= nu; u += 8)
         column_vector<n, forward_kept(n), false, Float8>(in + u, stride, nu, tmp + u);
@@ -195,7 +200,8 @@ template <int n, class Vector> void image_row_pairs(const float* tmp, int rows, 
 }
 
 // The same, as many rows at a time as there are.
-template <int n, class Pairs> void image_rows(const float* tmp, int rows, float* out) {
+template <int n, class Pairs>
+__attribute__((noinline)) void image_rows(const float* tmp, int rows, float* out) {
     constexpr int kept = forward_kept(n);
     int r = 0;
     for (; r + 8 <= rows; r += 8)
@@ -394,24 +400,38 @@ template <class Vector> inline void forward_four_views(const float* in, float* o
 
 // Transforms up to views_at_once texels of a row in all views.
 void forward_views_of_run(const float* in, float* out, const CellViews& cell, int width) {
-    float between[views_at_once * max_angular_side * max_angular_side];
+    float between[views_at_once * most_views_between];
+    static_assert(most_views_between >= max_angular_side);
+    const bool fits = cell.ns * cell.nt <= most_views_between;
     int s_step = cell.s, t_step = cell.t;
     if (cell.nt > 1) {
         // Stored compactly, so that values for the pass along s do not compete for cache lines.
-        s_step = cell.ns > 1 ? width : cell.s;
-        t_step = cell.ns > 1 ? width * cell.ns : cell.t;
-        float* const to = cell.ns > 1 ? between : out;
+        const bool compact = cell.ns > 1 && fits;
+        s_step = compact ? width : cell.s;
+        t_step = compact ? width * cell.ns : cell.t;
+        float* const to = compact ? between : out;
         for (int s = 0; s < cell.ns; ++s)
             forward_planes(in + s * cell.s, cell.t, to + s * s_step, t_step, cell.nt, width,
                            forward_basis(cell.nt));
         in = to;
     }
-    if (cell.ns > 1)
-        for (int t = 0; t < cell.nt; ++t)
-            forward_planes(in + t * t_step, s_step, out + t * cell.t, cell.s, cell.ns, width,
-                           forward_basis(cell.ns));
-    else if (cell.nt == 1)
-        __builtin_memcpy(out, in, static_cast<unsigned>(width) * sizeof(float));
+    if (cell.ns == 1) {
+        if (cell.nt == 1)
+            __builtin_memcpy(out, in, static_cast<unsigned>(width) * sizeof(float));
+        return;
+    }
+    for (int t = 0; t < cell.nt; ++t) {
+        const float* row = in + t * t_step;
+        int step = s_step;
+        if (!fits) { // `out` holds this row, which a transform cannot overwrite while it reads it
+            for (int s = 0; s < cell.ns; ++s)
+                __builtin_memcpy(between + s * width, row + s * s_step,
+                                 static_cast<unsigned>(width) * sizeof(float));
+            row = between;
+            step = width;
+        }
+        forward_planes(row, step, out + t * cell.t, cell.s, cell.ns, width, forward_basis(cell.ns));
+    }
 }
 
 void forward_views(const float* in, float* out, const CellViews& cell) {
@@ -431,7 +451,9 @@ void forward_views(const float* in, float* out, const CellViews& cell) {
 }
 
 void forward_image(const float* in, int stride, int nu, int nv, float* out) {
-    float tmp[max_block_side * max_block_side];
+    constexpr int most_rows = max_block_side / 2; // see forward_kept()
+    static_assert(forward_kept(max_block_side) == most_rows && forward_kept(31) <= most_rows);
+    float tmp[most_rows * max_block_side];
     const bool columns_split = nu % 4 == 0;
     if (columns_split && nv == 64)
         image_columns<64>(in, stride, nu, tmp);

@@ -4,6 +4,7 @@
 #include "corpus/model/obj_text.h"
 #include "corpus/model/polygons.h"
 #include "corpus/model/readers.h"
+#include "format/output_file.h"
 
 #include <cmath>
 #include <map>
@@ -130,7 +131,7 @@ private:
             builder_.model().notes.push_back("the material file " + in_quotes(names) +
                                              " is missing; its materials are grey");
         for (const std::string& path : found)
-            if (libraries_.insert(std::filesystem::canonical(path)).second)
+            if (libraries_.insert(std::filesystem::canonical(to_path(path)).string()).second)
                 TESSERA_TRY(library_.read(path));
         return {};
     }

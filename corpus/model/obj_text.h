@@ -2,6 +2,7 @@
 #pragma once
 
 #include "corpus/model/text_lines.h"
+#include "format/output_file.h"
 #include "format/status.h"
 
 #include <algorithm>
@@ -50,7 +51,7 @@ inline std::string with_slashes(std::string_view path) {
 
 inline bool is_there(const std::string& path) {
     std::error_code error;
-    return std::filesystem::exists(path, error);
+    return std::filesystem::exists(to_path(path), error);
 }
 
 } // namespace tessera::corpus

@@ -1,8 +1,9 @@
 #include "corpus/model_surface/lit_model.h"
 
+#include "format/work.h"
+
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 namespace tessera::corpus {
 namespace {
@@ -31,11 +32,11 @@ Result<std::shared_ptr<const LitModel>> LitModel::make(ModelAtlas atlas, ModelLi
     const std::shared_ptr<LitModel> made(
         new LitModel(std::move(places), std::move(light), options));
     const unsigned threads = std::max(1u, options.threads);
-    std::vector<std::jthread> others;
+    JoinedThreads others;
     for (unsigned i = 1; i < threads; ++i)
-        others.emplace_back([&, i] { made->bake_rows(i, threads); });
+        others.start([&, i] { made->bake_rows(i, threads); });
     made->bake_rows(0, threads);
-    others.clear();
+    others.join();
     return std::shared_ptr<const LitModel>(made);
 }
 

@@ -2,10 +2,6 @@
 
 #include "format/io/system_calls.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -19,7 +15,7 @@ class FileSource : public ByteSource {
 public:
     FileSource(int descriptor, std::uint64_t size, std::string path)
         : descriptor_(descriptor), size_(size), path_(std::move(path)) {}
-    ~FileSource() override { ::close(descriptor_); }
+    ~FileSource() override { sys::drop(descriptor_); }
     FileSource(const FileSource&) = delete;
     FileSource& operator=(const FileSource&) = delete;
 
@@ -29,10 +25,7 @@ public:
     Status read(std::uint64_t offset, std::span<std::byte> out) override {
         TESSERA_TRY(check_range(*this, offset, out.size()));
         while (!out.empty()) {
-            const ssize_t got =
-                ::pread(descriptor_, out.data(), out.size(), static_cast<off_t>(offset));
-            if (got < 0 && errno == EINTR)
-                continue;
+            const std::int64_t got = sys::read_at(descriptor_, out, offset);
             const std::string what = "cannot read at offset " + std::to_string(offset);
             if (got < 0)
                 return sys::system_error(path_, what, errno);
@@ -84,21 +77,21 @@ Status ByteSource::read_many(std::span<const ReadRequest> requests) {
 }
 
 Result<std::unique_ptr<ByteSource>> open_file(const std::string& path) {
-    // O_NONBLOCK makes open() return at once for a pipe without a writer, which is then refused.
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    const int descriptor = sys::open(path, sys::Access::read);
     if (descriptor < 0)
         return sys::system_error(path, "cannot open", errno);
-    struct stat info = {};
-    const int failed = ::fstat(descriptor, &info) < 0 ? errno : 0;
-    if (failed == 0 && S_ISREG(info.st_mode))
-        return std::unique_ptr<ByteSource>(std::make_unique<FileSource>(
-            descriptor, static_cast<std::uint64_t>(info.st_size), path));
-    ::close(descriptor);
+    using Kind = sys::FileFacts::Kind;
+    sys::FileFacts facts;
+    const int failed = sys::facts_of(descriptor, facts) < 0 ? errno : 0;
+    if (failed == 0 && facts.kind == Kind::file)
+        return std::unique_ptr<ByteSource>(
+            std::make_unique<FileSource>(descriptor, facts.size, path));
+    sys::drop(descriptor);
     if (failed != 0)
         return sys::system_error(path, "cannot read its size", failed);
     return Status(ErrorCode::io,
                   path + ": cannot open: it is " +
-                      (S_ISDIR(info.st_mode) ? "a directory" : "not a regular file"));
+                      (facts.kind == Kind::folder ? "a directory" : "not a regular file"));
 }
 
 std::unique_ptr<ByteSource> wrap_memory(std::span<const std::byte> bytes) {

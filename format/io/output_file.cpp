@@ -1,12 +1,7 @@
 #include "format/output_file.h"
 
-#include "format/io/output_target.h"
 #include "format/io/system_calls.h"
 #include "format/io/unfinished.h"
-
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <utility>
@@ -20,19 +15,18 @@ using sys::system_error;
 // Checked before any work is done: renaming to a directory would fail at the end, and renaming to a
 // device would replace it.
 Status check_target(const std::string& path) {
-    struct stat info = {};
-    if (::stat(path.c_str(), &info) != 0)
+    using Kind = sys::FileFacts::Kind;
+    sys::FileFacts facts;
+    if (sys::facts_of(path, facts) != 0)
         return {};
-    if (!S_ISREG(info.st_mode))
-        return {ErrorCode::io, path + ": cannot write: it is " +
-                                   (S_ISDIR(info.st_mode) ? "a directory" : "not a regular file")};
-    // The rename would replace it nevertheless. Root may write everything, but means no such file.
-    if ((info.st_mode & 0222) == 0 || ::access(path.c_str(), W_OK) != 0)
+    if (facts.kind != Kind::file)
+        return {ErrorCode::io,
+                path + ": cannot write: it is " +
+                    (facts.kind == Kind::folder ? "a directory" : "not a regular file")};
+    if (facts.read_only) // the rename would replace it nevertheless
         return {ErrorCode::io, path + ": cannot write: the file is read-only"};
     return {};
 }
-
-constexpr int create_flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
 
 } // namespace
 
@@ -59,8 +53,8 @@ OutputFile::~OutputFile() {
 void OutputFile::discard() {
     if (descriptor_ < 0)
         return;
-    ::close(std::exchange(descriptor_, -1));
-    ::unlink(temporary_.c_str());
+    sys::drop(std::exchange(descriptor_, -1));
+    sys::remove_file(temporary_);
     forget_unfinished(temporary_);
 }
 
@@ -74,14 +68,14 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
         OutputFile file;
         file.path_ = path;
         file.target_ = target;
-        file.temporary_ = target + "." + std::to_string(::getpid());
+        file.temporary_ = target + "." + std::to_string(sys::process_id());
         if (attempt > 0)
             file.temporary_.append("-").append(std::to_string(attempt));
         file.temporary_ += ".tmp";
-        file.descriptor_ = sys::open(file.temporary_.c_str(), create_flags, 0666);
+        file.descriptor_ = sys::open(file.temporary_, sys::Access::create);
         if (file.descriptor_ >= 0) {
             note_unfinished(file.temporary_);
-            keep_mode_and_owner(file.descriptor_, target);
+            sys::keep_mode_and_owner(file.descriptor_, target);
             return file;
         }
         if (errno != EEXIST)
@@ -99,13 +93,13 @@ Result<OutputFile> OutputFile::create(const std::string& path, const std::string
     file.path_ = path;
     file.target_ = target;
     file.temporary_ = temporary;
-    ::unlink(temporary.c_str());
+    sys::remove_file(temporary);
     const auto held = hold_unfinished();
-    file.descriptor_ = sys::open(temporary.c_str(), create_flags, 0666);
+    file.descriptor_ = sys::open(temporary, sys::Access::create);
     if (file.descriptor_ < 0)
         return system_error(path, "cannot create " + temporary, errno);
     note_unfinished(temporary);
-    keep_mode_and_owner(file.descriptor_, target);
+    sys::keep_mode_and_owner(file.descriptor_, target);
     return file;
 }
 
@@ -124,7 +118,7 @@ Status OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> byt
 Status OutputFile::commit() {
     if (descriptor_ < 0)
         return {ErrorCode::io, path_ + ": cannot finish: the file is not open"};
-    if (sys::fsync(descriptor_) < 0) {
+    if (sys::sync(descriptor_) < 0) {
         const int error = errno;
         discard();
         return system_error(path_, "cannot write to the disk", error);
@@ -133,14 +127,14 @@ Status OutputFile::commit() {
     // Some file systems report a failed write only here.
     int error = sys::close(std::exchange(descriptor_, -1)) < 0 ? errno : 0;
     const auto held = hold_unfinished();
-    if (error == 0 && sys::rename(temporary_.c_str(), target_.c_str()) < 0) {
+    if (error == 0 && sys::rename(temporary_, target_) < 0) {
         error = errno;
         what = "cannot rename " + temporary_ + " to it";
     }
     forget_unfinished(temporary_);
     if (error == 0)
         return {};
-    ::unlink(temporary_.c_str());
+    sys::remove_file(temporary_);
     return system_error(path_, what, error);
 }
 

@@ -1,12 +1,9 @@
-#include "format/io/output_target.h"
 #include "format/io/system_calls.h"
 #include "format/io/unfinished.h"
 #include "format/output_file.h"
 
 #include <cerrno>
-#include <fcntl.h>
 #include <filesystem>
-#include <unistd.h>
 #include <utility>
 
 namespace tessera {
@@ -16,7 +13,7 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string beside(const std::string& path, const char* suffix) {
-    return path + "." + std::to_string(getpid()) + suffix;
+    return path + "." + std::to_string(sys::process_id()) + suffix;
 }
 
 } // namespace
@@ -43,7 +40,7 @@ void OutputFolder::discard() {
     std::error_code ignored;
     if (temporary_.empty())
         return;
-    fs::remove_all(temporary_, ignored);
+    fs::remove_all(to_path(temporary_), ignored);
     forget_unfinished(temporary_);
     temporary_.clear();
 }
@@ -53,7 +50,7 @@ Result<OutputFolder> OutputFolder::create(const std::string& path) {
     TESSERA_TRY_ASSIGN(folder.target_, output_target(path));
     const std::string temporary = beside(folder.target_, ".tmp");
     const auto held = hold_unfinished(); // no folder may exist without being noted
-    if (sys::mkdir(temporary.c_str(), 0777) < 0)
+    if (sys::make_folder(temporary) < 0)
         return sys::system_error(path, "cannot create " + temporary, errno);
     note_unfinished(temporary);
     folder.path_ = path;
@@ -63,10 +60,10 @@ Result<OutputFolder> OutputFolder::create(const std::string& path) {
 
 Status OutputFolder::add(const std::string& name, std::span<const std::byte> bytes) const {
     const std::string path = temporary_ + "/" + name;
-    const int file = sys::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    const int file = sys::open(path, sys::Access::create);
     if (file < 0)
         return sys::system_error(path, "cannot create", errno);
-    keep_mode_and_owner(file, target_ + "/" + name);
+    sys::keep_mode_and_owner(file, target_ + "/" + name);
     Status status = sys::write_all(file, path, bytes, 0);
     if (sys::close(file) < 0 && status.ok())
         status = sys::system_error(path, "cannot write", errno);
@@ -76,24 +73,21 @@ Status OutputFolder::add(const std::string& name, std::span<const std::byte> byt
 Status OutputFolder::commit() {
     std::error_code ignored;
     const std::string old = beside(target_, ".old");
-    const bool replacing = fs::exists(target_, ignored);
-    if (const int own = ::open(temporary_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); own >= 0) {
-        keep_mode_and_owner(own, target_);
-        ::close(own);
-    }
+    const bool replacing = fs::exists(to_path(target_), ignored);
+    sys::keep_mode_and_owner(temporary_, target_);
     const auto held = hold_unfinished(); // between the two renames no folder has the final name
-    if (replacing && sys::rename(target_.c_str(), old.c_str()) < 0)
+    if (replacing && sys::rename(target_, old) < 0)
         return sys::system_error(path_, "cannot rename it to " + old, errno);
-    if (sys::rename(temporary_.c_str(), target_.c_str()) < 0) {
+    if (sys::rename(temporary_, target_) < 0) {
         const int error = errno;
         if (replacing) // not sys::rename(), which tests make fail: this undoes the first rename
-            fs::rename(old, target_, ignored);
+            fs::rename(to_path(old), to_path(target_), ignored);
         return sys::system_error(path_, "cannot rename " + temporary_ + " to it", error);
     }
     forget_unfinished(temporary_);
     temporary_.clear();
     if (replacing)
-        fs::remove_all(old, ignored);
+        fs::remove_all(to_path(old), ignored);
     return {};
 }
 

@@ -27,7 +27,7 @@ void remove_in_use(const std::string& path) {
     std::error_code error;
     int tries = 0;
     do
-        std::filesystem::remove_all(path, error);
+        std::filesystem::remove_all(to_path(path), error);
     while (error == std::errc::directory_not_empty && ++tries < most_removals);
 }
 

@@ -20,7 +20,7 @@ struct BlockShape {
     bool operator==(const BlockShape& other) const {
         return std::bit_cast<std::uint64_t>(n) == std::bit_cast<std::uint64_t>(other.n);
     }
-    auto operator<=>(const BlockShape&) const = default;
+    bool operator<(const BlockShape& other) const { return n < other.n; } // for maps
 };
 
 // A node of a tile's split tree.

@@ -2,6 +2,7 @@
 #include "codec/decoder.h"
 #include "format/io/crc32c.h"
 #include "format/tile/colour_transform.h"
+#include "format/work.h"
 #include "tests/reference/spec_decoder.h"
 #include "tests/support/layered_files.h"
 #include "tests/support/random.h"
@@ -10,7 +11,6 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <set>
-#include <thread>
 
 namespace tessera {
 namespace {
@@ -183,9 +183,9 @@ TEST(Threads, EightThreadsDecodeTheSameTexelsAsOne) {
     std::atomic<std::size_t> next{0};
     std::atomic<int> wrong{0};
     {
-        std::vector<std::jthread> threads;
+        JoinedThreads threads;
         for (int i = 0; i < 8; ++i)
-            threads.emplace_back([&] {
+            threads.start([&] {
                 for (std::size_t j; (j = next++) < jobs.size();) {
                     Bytes texels(shared->desc().box_bytes(jobs[j].box));
                     wrong +=

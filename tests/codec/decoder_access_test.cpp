@@ -2,6 +2,7 @@
 #include "codec/decoder.h"
 #include "codec/encoder.h"
 #include "codec/reconstruct/tile_decoder.h"
+#include "format/work.h"
 #include "tests/support/memory_texture.h"
 #include "tests/support/random.h"
 #include "tests/support/random_box.h"
@@ -9,7 +10,6 @@
 
 #include <gtest/gtest.h>
 #include <mutex>
-#include <thread>
 
 namespace tessera::test {
 namespace {
@@ -64,9 +64,9 @@ TEST(Access, ThreadsShareADecoder) {
     ASSERT_TRUE(decoder);
     std::atomic<int> wrong{0};
     {
-        std::vector<std::jthread> threads;
+        JoinedThreads threads;
         for (std::uint32_t id = 0; id < 8; ++id)
-            threads.emplace_back([&, id] {
+            threads.start([&, id] {
                 Random random(100 + id);
                 for (int i = 0; i < 8; ++i) {
                     const Box4 box = random_box(random, desc.size);

@@ -265,8 +265,8 @@ TEST_F(SearchPaths, MomentsAreEqual) {
 // Equals two passes along s and t, for all sizes.
 TEST_F(SearchPaths, ForwardViewsAreEqualAndCorrect) {
     Random random(31);
-    for (const int ns : {1, 2, 3, 4, 5, 8})
-        for (const int nt : {1, 2, 4, 7})
+    for (const int ns : {1, 2, 3, 4, 5, 8, 32})
+        for (const int nt : {1, 2, 4, 7, 16})
             for (const int width : {1, 3, 4, 8, 13}) {
                 constexpr int rows = 3;
                 const int row = width + 2, s = row * rows, t = s * ns;

@@ -1,24 +1,48 @@
 #!/bin/bash
-# Tests the decoder and the encoder on another processor or with another compiler. It builds in
-# build-cross-ARCH and runs same_bytes and the tests that take seconds. The golden files and some encodes
+# Tests the decoder and the encoder on another processor, with another compiler or on another system. It builds
+# in build-cross-ARCH and runs same_bytes and the tests that take seconds. The golden files and some encodes
 # must give the frozen results in tests/golden. Damaged files must give the same results as in a native
-# build.
+# build. README.md says what was found.
 #   tests/cross/run.sh ARCH   aarch64 or s390x (big-endian): runs under qemu with these packages of
 #                             Debian, where aarch64 is called arm64:
 #                               dpkg --add-architecture s390x
 #                               apt install g++-s390x-linux-gnu qemu-user-static \
 #                                   libzstd-dev:s390x libdraco-dev:s390x libgtest-dev:s390x
-#                             clang: this processor with clang++
+#                             clang: this processor with clang-19 and its libc++:
+#                               apt install clang-19 libc++-19-dev libc++abi-19-dev dpkg-dev
+#                             windows: mingw-w64, runs under wine:
+#                               apt install g++-mingw-w64-x86-64-posix wine64 dpkg-dev
 # TESTS: gtest filter for both programs. The default runs all tests that take seconds, "" runs none.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 arch=${1:?ARCH, as the head of this file says}
-# Builds only the libraries and their tests. Only clang uses -O3, which is slow to compile for qemu.
-common=(-G Ninja -DCMAKE_UNITY_BUILD=ON -DTESSERA_TESTS=ON -DTESSERA_TOOLS=OFF -DTESSERA_GPU=OFF
-        -DTESSERA_SHARED=OFF -DTESSERA_HTTP=OFF -DTESSERA_WEB=OFF)
+# Builds only the libraries and their tests. Only clang and mingw use -O3, which is slow to compile for qemu.
+common=(-G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=24 -DTESSERA_TESTS=ON -DTESSERA_TOOLS=OFF
+        -DTESSERA_GPU=OFF -DTESSERA_SHARED=OFF -DTESSERA_HTTP=OFF -DTESSERA_WEB=OFF -DTESSERA_PYTHON=OFF)
+! command -v ccache > /dev/null || common+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 run=()
+program=""
+targets=(same_bytes)
+folder=build-cross-$arch
 case $arch in
-clang) other=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++) ;;
+clang)
+    libraries=$PWD/$folder-libraries
+    tests/cross/dependencies.sh libc++ "$libraries" draco gtest
+    export PKG_CONFIG_PATH=$libraries/prefix/lib/pkgconfig
+    other=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_C_COMPILER=clang-19 -DCMAKE_CXX_COMPILER=clang++-19
+           -DCMAKE_CXX_FLAGS=-stdlib=libc++ -DCMAKE_PREFIX_PATH="$libraries/prefix")
+    ;;
+windows)
+    libraries=$PWD/$folder-libraries
+    tests/cross/dependencies.sh windows "$libraries" zstd draco gtest headers
+    export PKG_CONFIG_LIBDIR=$libraries/prefix/lib/pkgconfig
+    export WINEPREFIX=${WINEPREFIX:-$libraries/wine} WINEDEBUG=-all
+    other=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_TOOLCHAIN_FILE="$PWD/tests/cross/windows.cmake"
+           -DTESSERA_CROSS_PREFIX="$libraries/prefix" -DTESSERA_SHARED=ON)
+    run=(/usr/lib/wine/wine64)
+    program=.exe
+    targets+=(tessera_shared c_api_test)
+    ;;
 *)
     multiarch=$arch-linux-gnu
     export PKG_CONFIG_LIBDIR=/usr/lib/$multiarch/pkgconfig:/usr/share/pkgconfig
@@ -33,20 +57,43 @@ slow=Sampler*:Shader*:Journals*:DamagedJournals*:Rate*:Mask*:Prediction*:Predict
 slow+=:DenseTables*:Tools*:Encoder*:SameBytes*:DamagedLevels*:Partial*:Threads*:RefinedTrees*
 slow+=:Encodings*:InverseTransform.Meets*:Codec*:DecodedLevel*:TileChoice*:TileReuse*:Access*:EncodeFilter*:Allocation*
 filter=${TESTS--$slow}
-targets=(same_bytes)
 [ -z "$filter" ] || targets+=(format_tests codec_tests)
-folder=build-cross-$arch
+jobs=${JOBS:-$(nproc)}
 cmake -S . -B "$folder" "${common[@]}" "${other[@]}" > "$folder.log" || { cat "$folder.log"; exit 1; }
 rm "$folder.log"
-ninja -C "$folder" "${targets[@]}"
-env -u PKG_CONFIG_LIBDIR cmake -S . -B build-cross-native "${common[@]}" -DCMAKE_BUILD_TYPE=Release > /dev/null
-ninja -C build-cross-native same_bytes
-build-cross-native/bin/same_bytes tests/golden > build-cross-native/made.txt
-"${run[@]}" "$folder/bin/same_bytes" tests/golden > "$folder/made.txt"
+ninja -C "$folder" -j "$jobs" "${targets[@]}"
+# NATIVE: a folder with a native build of same_bytes.
+native=${NATIVE:-build-cross-native}
+if [ -z "${NATIVE:-}" ]; then
+    env -u PKG_CONFIG_LIBDIR -u PKG_CONFIG_PATH cmake -S . -B "$native" "${common[@]}" -DCMAKE_BUILD_TYPE=Release > /dev/null
+    ninja -C "$native" -j "$jobs" same_bytes
+fi
+"$native/bin/same_bytes" tests/golden > "$folder/native.txt"
+"${run[@]}" "$folder/bin/same_bytes$program" tests/golden | tr -d '\r' > "$folder/made.txt"
 head -n "$(wc -l < tests/golden/manifest.txt)" "$folder/made.txt" | diff tests/golden/manifest.txt -
 tail -n "$(wc -l < tests/golden/encodings.txt)" "$folder/made.txt" | diff tests/golden/encodings.txt -
-diff build-cross-native/made.txt "$folder/made.txt"
+diff "$folder/native.txt" "$folder/made.txt"
 echo "$arch: $(wc -l < "$folder/made.txt") results equal those of the native build"
 [ -z "$filter" ] || for tests in format_tests codec_tests; do
-    "${run[@]}" "$folder/bin/$tests" --gtest_brief=1 --gtest_filter="$filter"
+    "${run[@]}" "$folder/bin/$tests$program" --gtest_brief=1 --gtest_filter="$filter"
 done
+if [ "$arch" = windows ]; then # the DLL, by C programs that link its import library
+    link() { # NAME SOURCE
+        x86_64-w64-mingw32-gcc-posix -std=c99 -DTESSERA_SHARED -I "$folder/include" "$2" -o "$folder/bin/$1.exe" \
+            "$folder/codec/libtessera.dll.a"
+    }
+    link consumer_c tests/consumers/c/main.c
+    link killed_encode tests/cross/killed_encode.c
+    rm -rf "$folder/encoded" && mkdir "$folder/encoded" && cd "$folder/encoded"
+    "${run[@]}" ../bin/c_api_test.exe c_api_test.tess
+    "${run[@]}" ../bin/consumer_c.exe gradient.tess
+    "${run[@]}" ../bin/killed_encode.exe 0
+    mv größe*.tess whole.tess
+    "${run[@]}" ../bin/killed_encode.exe 25 || [ $? = 9 ]
+    [ ! -e größe*.tess ] && [ -e größe*.journal/pass-1 ] # killed with tiles
+    "${run[@]}" ../bin/killed_encode.exe 0
+    cmp größe*.tess whole.tess
+    [ ! -e größe*.journal ]
+    cd ../..
+    tests/cross/windows_zip.sh "$folder"
+fi

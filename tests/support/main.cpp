@@ -3,9 +3,22 @@
 // machine.
 #include <cstdio>
 #include <gtest/gtest.h>
+#ifdef _WIN32
+#include <ctime>
+#else
 #include <sys/resource.h>
+#endif
 
 namespace {
+
+#ifdef _WIN32
+
+// Wall-clock time, which is what this C library measures.
+double seconds_of_this_process_and_its_children() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+#else
 
 double seconds_of(int who) {
     rusage usage = {};
@@ -15,6 +28,12 @@ double seconds_of(int who) {
     };
     return in_seconds(usage.ru_utime);
 }
+
+double seconds_of_this_process_and_its_children() {
+    return seconds_of(RUSAGE_SELF) + seconds_of(RUSAGE_CHILDREN);
+}
+
+#endif
 
 class CpuTimes : public testing::EmptyTestEventListener {
     void OnTestSuiteStart(const testing::TestSuite&) override { suite_began_ = now(); }
@@ -30,7 +49,7 @@ class CpuTimes : public testing::EmptyTestEventListener {
         if (seconds >= 1)
             std::printf("[ CPU time ] %5.1f s: %s, with its fixtures\n", seconds, suite.name());
     }
-    static double now() { return seconds_of(RUSAGE_SELF) + seconds_of(RUSAGE_CHILDREN); }
+    static double now() { return seconds_of_this_process_and_its_children(); }
 
     double suite_began_ = 0, began_ = 0;
 };

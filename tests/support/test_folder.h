@@ -1,13 +1,13 @@
 // Temporary folders for tests, which their fixtures remove, and whole files as strings.
 #pragma once
 
-#include <gtest/gtest.h>
+#include "format/io/system_calls.h"
 
 #include <filesystem>
 #include <fstream>
+#include <gtest/gtest.h>
 #include <iterator>
 #include <string>
-#include <unistd.h>
 
 namespace tessera::test {
 
@@ -15,7 +15,7 @@ namespace tessera::test {
 // not collide.
 inline std::filesystem::path make_test_folder(const std::string& suite) {
     const auto folder = std::filesystem::temp_directory_path() /
-                        ("tessera_" + suite + "_" + std::to_string(getpid()) + "_" +
+                        ("tessera_" + suite + "_" + std::to_string(sys::process_id()) + "_" +
                          testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(folder);
     return folder;

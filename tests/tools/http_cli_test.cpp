@@ -5,6 +5,7 @@
 #include <chrono>
 #include <fcntl.h>
 #include <thread>
+#include <unistd.h>
 
 namespace {
 

@@ -3,6 +3,7 @@
 #include "tools/support/interrupt.h"
 
 #include <thread>
+#include <unistd.h>
 
 namespace {
 

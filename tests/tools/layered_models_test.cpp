@@ -106,7 +106,7 @@ TEST_F(LayeredModels, AreTheDefaultWhereTheyHoldTheLight) {
 TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
     spit(at("roof.obj"), glossy_roof);
     fail(1, "bake roof.obj --layered --target-psnr 40 -o a.tess", {"--target-psnr", "--quality"});
-    fail(1, "bake roof.obj --layered --texels 2000 --spp 1 --target-bytes 300 -o a.tess",
+    fail(1, "bake roof.obj --layered --texels 2000 --spp 1 --target-bytes 300 -q -o a.tess",
          {"--target-bytes", "mesh"});
     fail(1, "bake roof.obj --layered --size 8x8x8x8 -o a.tess", {"--size"});
     fail(1, "bake roof.obj --layered -o a.exr", {".tess"});
@@ -115,7 +115,7 @@ TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
     fail(1, "bake composed --layered -o a.tess", {"--layered", "model"});
     fail(1, "bake roof.obj --single --lights 3 -o a.tess", {"--lights", "--single"});
     fail(1, "bake roof.obj --single --layered -o a.tess", {"--layered", "--single"});
-    fail(1, "bake roof.obj --texels 2000 --target-psnr 30 -o a.tess",
+    fail(1, "bake roof.obj --texels 2000 --target-psnr 30 -q -o a.tess",
          {"--texels", "--target-psnr"});
     fail(1, "bake composed --single -o a.tess", {"--single", "model"});
     fail(2, "bake nowhere.obj --layered -o a.tess", {"nowhere.obj"});

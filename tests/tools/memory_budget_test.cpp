@@ -13,6 +13,7 @@
 #include <set>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 namespace tessera {
 namespace {

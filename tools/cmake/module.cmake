@@ -26,6 +26,12 @@ function(tessera_module name)
     target_link_libraries(tessera_${name} PUBLIC ${ARG_USES}
                           INTERFACE $<$<LINK_LANGUAGE:C>:stdc++;m>
                           PRIVATE $<BUILD_INTERFACE:tessera_strict>)
+    # Hosts run the library on threads with small stacks (codec/tessera.h). Without optimisation and
+    # with sanitizers, frames are larger.
+    if(PROJECT_IS_TOP_LEVEL AND NOT TESSERA_SANITIZE)
+        target_compile_options(tessera_${name} PRIVATE
+            $<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Release,RelWithDebInfo>>:-Werror=frame-larger-than=16384>)
+    endif()
     tessera_public_headers(${ARG_HEADERS})
 endfunction()
 
@@ -40,7 +46,23 @@ function(tessera_public_headers module)
     endforeach()
 endfunction()
 
+# Links all of the static libraries that follow into the shared library `target`, used or not.
+function(tessera_link_whole target)
+    foreach(library IN LISTS ARGN)
+        set(file $<TARGET_FILE:${library}>)
+        if(MSVC)
+            target_link_options(${target} PRIVATE /WHOLEARCHIVE:${file})
+        elseif(APPLE)
+            target_link_libraries(${target} PRIVATE -Wl,-force_load ${file})
+        else()
+            target_link_libraries(${target} PRIVATE -Wl,--whole-archive ${file} -Wl,--no-whole-archive)
+        endif()
+        add_dependencies(${target} ${library})
+    endforeach()
+endfunction()
+
 # Sets `variable` to the sources of folders, and to single .cpp files, of the module whose CMakeLists.txt this is.
+# NAME_posix.cpp and NAME_windows.cpp implement the same header, each for its systems.
 function(tessera_sources variable)
     set(all)
     foreach(entry IN LISTS ARGN)
@@ -49,6 +71,16 @@ function(tessera_sources variable)
         else()
             file(GLOB files CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${entry}/*.cpp)
             list(APPEND all ${files})
+        endif()
+    endforeach()
+    set(other_systems windows)
+    if(WIN32)
+        set(other_systems posix)
+    endif()
+    list(FILTER all EXCLUDE REGEX "_${other_systems}\\.cpp$")
+    foreach(file IN LISTS all)
+        if(file MATCHES "_windows\\.cpp$") # <windows.h> defines macros such as `near`
+            set_source_files_properties(${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
         endif()
     endforeach()
     set(${variable} ${all} PARENT_SCOPE)

@@ -1,5 +1,6 @@
 #include "tools/picture/sheets.h"
 
+#include "format/output_file.h"
 #include "format/samples.h"
 #include "tools/picture/panels.h"
 
@@ -163,10 +164,9 @@ Result<Picture> make_picture_grid(std::span<const std::string> paths, const Grid
         TESSERA_TRY_ASSIGN(const auto picture, read_png(paths[i]));
         if (i % options.columns == 0)
             rows.emplace_back();
-        rows.back().push_back({options.labels.empty()
-                                   ? std::filesystem::path(paths[i]).stem().string()
-                                   : options.labels[i],
-                               middle_of(picture, options.middle)});
+        rows.back().push_back(
+            {options.labels.empty() ? to_path(paths[i]).stem().string() : options.labels[i],
+             middle_of(picture, options.middle)});
     }
     return lay_out(rows);
 }

@@ -1,6 +1,7 @@
 #include "tools/server/file_server.h"
 
 #include "format/byte_source.h"
+#include "format/output_file.h"
 #include "tools/http/http_response.h"
 #include "tools/server/file_server_paths.h"
 #include "tools/server/file_server_ranges.h"
@@ -152,7 +153,7 @@ void answer(const FileServerOptions& options, const fs::path& root, const httpli
         response.status = 404;
         response.set_content("There is no such file.\n", "text/plain");
     } else if (!request.path.ends_with('/')) {
-        response.set_redirect(percent_encoded(fs::path(request.path).filename().string()) + "/");
+        response.set_redirect(percent_encoded(to_path(request.path).filename().string()) + "/");
     } else if (!options.viewer.empty() && (request.has_param("f") || !options.only.empty())) {
         response.set_content(options.viewer, "text/html; charset=utf-8");
     } else {
@@ -293,7 +294,7 @@ private:
 
 Result<std::unique_ptr<FileServer>> FileServer::start(const FileServerOptions& options) {
     std::error_code error;
-    const fs::path root = fs::canonical(options.folder, error);
+    const fs::path root = fs::canonical(to_path(options.folder), error);
     if (error || !fs::is_directory(root))
         return Status(ErrorCode::io, options.folder + ": is not a folder");
     auto impl = std::make_unique<Impl>(root, options);

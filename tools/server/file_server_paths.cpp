@@ -1,5 +1,6 @@
 #include "tools/server/file_server_paths.h"
 
+#include "format/output_file.h"
 #include "tools/support/html_text.h"
 
 #include <algorithm>
@@ -57,7 +58,7 @@ std::optional<fs::path> find_served(const fs::path& root, const std::string& pat
             continue;
         if (name.front() == '.' || name.find('\0') != name.npos)
             return std::nullopt;
-        wanted /= name;
+        wanted /= to_path(name);
     }
     std::error_code error;
     const fs::path real = fs::canonical(wanted, error);

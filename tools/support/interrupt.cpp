@@ -1,16 +1,13 @@
 #include "tools/support/interrupt.h"
 
 #include "format/output_file.h"
+#include "tools/support/system.h"
 
 #include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <ctime>
-#include <semaphore.h>
 #include <string>
 #include <thread>
-#include <unistd.h>
 
 namespace tessera {
 namespace {
@@ -24,23 +21,18 @@ static_assert(std::atomic<int>::is_always_lock_free &&
 // Time for a command to end by itself. Calls that cannot be interrupted (a library that decodes a
 // large picture, a file system that does not respond) take longer.
 constexpr std::chrono::milliseconds longest_end{700};
-sem_t first_signal;
 
 // Ends the process if its regular end takes too long. The files that remain are the same.
 void watch_for_signal() {
-    while (::sem_wait(&first_signal) != 0 && errno == EINTR) {
-    }
+    wait_for_wake();
     std::this_thread::sleep_for(longest_end);
     std::string words = "tessera: error: interrupted";
     for (const std::string& journal : remove_unfinished_outputs())
         words += "; finished tiles are kept in " + journal +
                  "; the same command with --resume continues";
     words += "\n";
-    (void)!::write(STDERR_FILENO, words.data(), words.size());
-    std::signal(received, SIG_DFL); // so that a shell sees the signal as the reason
-    ::kill(::getpid(), received);
-    for (;;)
-        ::pause();
+    write_standard_error(words);
+    end_by_signal(received);
 }
 
 // A second signal ends the process, but not within a second: timeout(1) and shells may deliver one
@@ -51,9 +43,9 @@ void remember(int signal) {
         received_at = now; // before other threads can see the signal
     int none = 0;
     if (received.compare_exchange_strong(none, signal))
-        ::sem_post(&first_signal);
+        wake_watcher();
     else if (now > received_at + 1)
-        _exit(128 + signal);
+        exit_at_once(128 + signal);
 }
 
 class InterruptibleSource : public TexelSource {
@@ -100,26 +92,7 @@ private:
 } // namespace
 
 void install_signal_handlers() {
-    sigset_t ours, before;
-    sigemptyset(&ours);
-    sigaddset(&ours, SIGINT);
-    sigaddset(&ours, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &ours, &before); // the watcher does not handle them
-    ::sem_init(&first_signal, 0, 0);
-    try {
-        std::thread(watch_for_signal).detach();
-    } catch (const std::exception&) { // without the watcher, commands end when they check
-    }
-    pthread_sigmask(SIG_SETMASK, &before, nullptr);
-    struct sigaction action = {};
-    action.sa_handler = remember;
-    sigemptyset(&action.sa_mask);
-    action.sa_flags = SA_RESTART; // system calls continue; the next box checks
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
-    action.sa_handler = SIG_IGN;
-    sigaction(SIGXFSZ, &action, nullptr);
-    sigaction(SIGPIPE, &action, nullptr);
+    handle_interrupts(remember, watch_for_signal);
 }
 
 int interrupted_by() {

@@ -2,12 +2,11 @@
 
 #include "format/output_file.h"
 #include "tools/support/parse.h"
+#include "tools/support/system.h"
 #include "tools/support/url.h"
 
-#include <cerrno>
 #include <filesystem>
 #include <system_error>
-#include <unistd.h>
 
 namespace tessera {
 namespace {
@@ -16,7 +15,7 @@ namespace fs = std::filesystem;
 
 // The folder that contains `path`, which may end in a slash.
 fs::path parent_of(const std::string& path) {
-    const fs::path whole(path);
+    const fs::path whole = to_path(path);
     return whole.has_filename() ? whole.parent_path() : whole.parent_path().parent_path();
 }
 
@@ -25,8 +24,8 @@ Status check_folder(const std::string& path, const fs::path& folder, std::uint64
     const auto cannot = [&](const std::string& why) {
         return Status(ErrorCode::io, path + ": cannot write into " + folder.string() + ": " + why);
     };
-    if (::access(folder.c_str(), W_OK | X_OK) != 0)
-        return cannot(std::error_code(errno, std::generic_category()).message());
+    if (const std::string why = why_not_writable(folder); !why.empty())
+        return cannot(why);
     std::error_code error;
     const fs::space_info space = fs::space(folder, error);
     if (error || space.available >= bytes)
@@ -62,7 +61,7 @@ Status check_output_path(const std::string& path) {
         return {ErrorCode::bad_argument, path + ": cannot write to a URL"};
     TESSERA_TRY(check_parent_folders(path));
     std::error_code ignored;
-    const fs::file_status status = fs::status(path, ignored);
+    const fs::file_status status = fs::status(to_path(path), ignored);
     if (!fs::exists(status))
         return {};
     if (!fs::is_regular_file(status))
@@ -70,7 +69,7 @@ Status check_output_path(const std::string& path) {
     // Root may write everything, but means no such file.
     constexpr fs::perms any_write =
         fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
-    if ((status.permissions() & any_write) == fs::perms::none || ::access(path.c_str(), W_OK) != 0)
+    if ((status.permissions() & any_write) == fs::perms::none || !is_writable(to_path(path)))
         return {ErrorCode::io, path + ": cannot write: the file is read-only"};
     return {};
 }

@@ -1,12 +1,12 @@
 #include "tools/support/progress.h"
 
 #include "tools/support/parse.h"
+#include "tools/support/system.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <mutex>
-#include <unistd.h>
 #include <utility>
 
 namespace tessera {
@@ -51,7 +51,7 @@ void show_waiting(std::optional<std::uint64_t> bytes) {
     }
     start = std::min(start, now);
     if (shown > 0 || seconds(now - start) < 1 || seconds(now - last) < again_after ||
-        !isatty(STDERR_FILENO))
+        !is_terminal(StandardStream::error))
         return;
     last = now;
     drawn = true;
@@ -61,7 +61,7 @@ void show_waiting(std::optional<std::uint64_t> bytes) {
 }
 
 Progress::Progress(std::string title, bool quiet)
-    : title_(std::move(title)), visible_(!quiet && isatty(STDERR_FILENO)),
+    : title_(std::move(title)), visible_(!quiet && is_terminal(StandardStream::error)),
       stage_start_(Clock::now()), last_(stage_start_) {
     shown += visible_;
 }

@@ -2,26 +2,7 @@
 
 #include "format/texture.h"
 
-#include <sys/mman.h>
-
 namespace tessera {
-namespace {
-
-constexpr std::size_t large_page = std::size_t{2} << 20;
-
-// Uninitialised memory, null if memory is short. Large slabs use large pages if the system has
-// them, for 500 times fewer page faults.
-std::byte* allocate(std::size_t size) {
-    if (size < 2 * large_page)
-        return static_cast<std::byte*>(std::malloc(size));
-    const std::size_t whole_pages = (size + large_page - 1) / large_page * large_page;
-    void* memory = size <= whole_pages ? std::aligned_alloc(large_page, whole_pages) : nullptr;
-    if (memory != nullptr)
-        (void)madvise(memory, whole_pages, MADV_HUGEPAGE); // best effort
-    return static_cast<std::byte*>(memory);
-}
-
-} // namespace
 
 Status SlabBuffer::reset(const TextureDesc& desc, const Box4& box) {
     if (!is_inside(box, desc.size))
@@ -33,7 +14,7 @@ Status SlabBuffer::reset(const TextureDesc& desc, const Box4& box) {
     if (size_ <= room_)
         return {};
     memory_.reset(); // frees it before the next allocation
-    memory_.reset(allocate(size_));
+    memory_.reset(allocate_slab(size_));
     room_ = size_;
     if (memory_ == nullptr) {
         const std::size_t wished = size_;

@@ -4,9 +4,9 @@
 
 #include "format/status.h"
 #include "format/texture.h"
+#include "tools/support/system.h"
 
 #include <cstddef>
-#include <cstdlib>
 #include <memory>
 #include <span>
 
@@ -35,7 +35,7 @@ private:
     Box4 box_;
     // Not a vector, which would first write zeros to all of it, on one thread.
     struct Free {
-        void operator()(std::byte* memory) const { std::free(memory); }
+        void operator()(std::byte* memory) const { free_slab(memory); }
     };
     std::unique_ptr<std::byte, Free> memory_;
     std::size_t size_ = 0, room_ = 0;

@@ -1,9 +1,9 @@
 #include "tools/support/source_facts.h"
 
+#include "format/output_file.h"
 #include "tools/support/checksum.h"
 
-#include <sys/stat.h>
-
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -14,26 +14,39 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string time_of(const struct stat& info) {
-    return std::to_string(info.st_mtim.tv_sec) + "." + std::to_string(info.st_mtim.tv_nsec);
+// Seconds and nanoseconds since 1970; "" if there is no such file.
+std::string time_of(const fs::path& path) {
+    using std::chrono::duration_cast, std::chrono::seconds, std::chrono::nanoseconds;
+    std::error_code error;
+    const auto changed = fs::last_write_time(path, error);
+    if (error)
+        return "";
+    const auto since = std::chrono::file_clock::to_sys(changed).time_since_epoch();
+    const auto whole = duration_cast<seconds>(since);
+    return std::to_string(whole.count()) + "." +
+           std::to_string(duration_cast<nanoseconds>(since - whole).count());
+}
+
+std::string length_of(const fs::path& path) {
+    std::error_code error;
+    const std::uintmax_t length = fs::file_size(path, error);
+    return error ? "0" : std::to_string(length);
 }
 
 } // namespace
 
-std::vector<std::pair<std::string, std::string>> source_facts(const std::string& path,
+std::vector<std::pair<std::string, std::string>> source_facts(const std::string& name,
                                                               const std::string& what) {
-    struct stat info = {};
-    if (::stat(path.c_str(), &info) != 0)
-        return {};
-    if (!S_ISDIR(info.st_mode))
-        return {{"length of the " + what, std::to_string(info.st_size)},
-                {"time of the " + what, time_of(info)}};
-    std::map<std::string, std::string> files; // in order of their names
+    const fs::path path = to_path(name);
     std::error_code error;
+    if (const std::string time = time_of(path); time.empty())
+        return {};
+    else if (!fs::is_directory(path, error))
+        return {{"length of the " + what, length_of(path)}, {"time of the " + what, time}};
+    std::map<std::string, std::string> files; // in order of their names
     for (fs::directory_iterator i(path, error), end; !error && i != end; i.increment(error))
-        if (::stat(i->path().c_str(), &info) == 0)
-            files[i->path().filename().string()] =
-                std::to_string(info.st_size) + " " + time_of(info);
+        if (const std::string time = time_of(i->path()); !time.empty())
+            files[i->path().filename().string()] = length_of(i->path()) + " " + time;
     std::uint32_t crc = 0;
     for (const auto& [name, facts] : files) {
         const std::string line = name + " " + facts + "\n";

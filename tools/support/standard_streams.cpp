@@ -1,10 +1,7 @@
 #include "tools/support/standard_streams.h"
 
 #include "tools/support/interrupt.h"
-
-#include <poll.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include "tools/support/system.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -35,23 +32,12 @@ private:
     std::unique_ptr<ByteSource> inner_;
 };
 
-// Waits for input. Unlike read(), a signal ends this.
-Status wait_for_input() {
-    pollfd wanted{STDIN_FILENO, POLLIN, 0};
-    while (::poll(&wanted, 1, -1) < 0)
-        if (errno != EINTR)
-            return input_error(std::strerror(errno));
-        else
-            TESSERA_TRY(check_interrupt());
-    return {};
-}
-
 Status read_pipe(std::vector<std::byte>& bytes) {
     while (true) {
-        TESSERA_TRY(wait_for_input());
+        TESSERA_TRY(check_interrupt());
         const std::size_t before = bytes.size();
         bytes.resize(before + piece_bytes);
-        const ssize_t got = ::read(STDIN_FILENO, bytes.data() + before, piece_bytes);
+        const std::int64_t got = read_standard_input(std::span(bytes).subspan(before));
         bytes.resize(before + static_cast<std::size_t>(got < 0 ? 0 : got));
         if (got < 0 && errno != EINTR)
             return input_error(std::strerror(errno));
@@ -67,12 +53,11 @@ Status read_pipe(std::vector<std::byte>& bytes) {
 } // namespace
 
 Result<std::unique_ptr<ByteSource>> open_standard_input() {
-    if (::isatty(STDIN_FILENO) != 0)
+    if (is_terminal(StandardStream::input))
         return input_error("is a terminal; '-' needs a pipe or a file (< FILE)",
                            ErrorCode::bad_argument);
-    struct stat info = {};
-    if (::fstat(STDIN_FILENO, &info) == 0 && S_ISREG(info.st_mode)) {
-        TESSERA_TRY_ASSIGN(auto file, open_file("/dev/stdin"));
+    if (const std::string name = file_of_standard_input(); !name.empty()) {
+        TESSERA_TRY_ASSIGN(auto file, open_file(name));
         return std::unique_ptr<ByteSource>(std::make_unique<StandardInput>(std::move(file)));
     }
     static std::vector<std::byte> bytes; // a pipe can be read once only
@@ -94,7 +79,7 @@ std::FILE* summary_stream(const std::string& output) {
 }
 
 Status check_standard_output() {
-    if (::isatty(STDOUT_FILENO) != 0)
+    if (is_terminal(StandardStream::output))
         return {ErrorCode::bad_argument,
                 "standard output is a terminal; '-' needs a pipe or a file (> FILE)"};
     return {};

@@ -2,6 +2,7 @@
 
 #include "codec/decoder.h"
 #include "corpus/picture_file.h"
+#include "format/output_file.h"
 #include "tools/http/open_bytes.h"
 #include "tools/support/camera_grid.h"
 #include "tools/support/fill_text.h"
@@ -41,7 +42,7 @@ const RawEnding raw_endings[] = {
     {".raw", std::nullopt, std::nullopt}};
 
 const RawEnding* raw_ending(const std::string& path) {
-    const std::string ending = fs::path(path).extension().string();
+    const std::string ending = to_path(path).extension().string();
     for (const RawEnding& known : raw_endings)
         if (ending == known.ending)
             return &known;
@@ -216,9 +217,9 @@ TextureKind kind_of(const std::string& path) {
         return TextureKind::unknown;
     if (is_url(path))
         return without_query(path).ends_with(".tess") ? TextureKind::tess : TextureKind::unknown;
-    if (path.back() == '/' || fs::is_directory(path, ignored))
+    if (path.back() == '/' || fs::is_directory(to_path(path), ignored))
         return TextureKind::views;
-    const std::string ending = fs::path(path).extension().string();
+    const std::string ending = to_path(path).extension().string();
     if (ending == ".tess")
         return TextureKind::tess;
     if (ending == ".exr")

@@ -1,5 +1,6 @@
 #include "tools/texture_io/view_layout.h"
 
+#include "format/output_file.h"
 #include "tools/support/camera_grid.h"
 #include "tools/texture_io/view_pattern.h"
 
@@ -58,7 +59,7 @@ ViewLayout layout_for(const ViewHints& asked, const Metadata& metadata) {
 }
 
 std::optional<ViewGrid> quilt_in_name(const std::string& path) {
-    const std::string name = std::filesystem::path(path).filename().string();
+    const std::string name = to_path(path).filename().string();
     const std::size_t at = name.rfind("_qs");
     if (at == std::string::npos)
         return std::nullopt;

@@ -1,6 +1,7 @@
 #include "tools/texture_io/views_json.h"
 
 #include "format/byte_source.h"
+#include "format/output_file.h"
 #include "tools/support/description_text.h"
 #include "tools/support/parse.h"
 
@@ -27,7 +28,7 @@ Status fill_description(const nlohmann::json& fields, Description& description) 
 Result<std::optional<ViewsJson>> read_views_json(const std::string& folder) {
     const std::string path = folder + "/" + views_json_name;
     std::error_code error;
-    if (!std::filesystem::exists(path, error))
+    if (!std::filesystem::exists(to_path(path), error))
         return std::optional<ViewsJson>();
     TESSERA_TRY_ASSIGN(const auto file, open_file(path));
     if (file->size() > max_json_bytes)

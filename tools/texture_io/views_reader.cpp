@@ -1,4 +1,5 @@
 #include "corpus/picture_file.h"
+#include "format/output_file.h"
 #include "format/work.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/slab_buffer.h"
@@ -23,7 +24,8 @@ using corpus::PictureShape;
 Result<std::vector<std::string>> list_pictures(const std::string& folder) {
     std::vector<std::string> names;
     std::error_code error;
-    for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+    for (fs::directory_iterator i(to_path(folder), error), end; !error && i != end;
+         i.increment(error)) {
         std::string name = i->path().filename().string();
         if (!name.starts_with('.') && picture_kind_of_name(name) != corpus::PictureKind::none)
             names.push_back(std::move(name));

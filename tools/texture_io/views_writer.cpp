@@ -16,18 +16,19 @@ namespace fs = std::filesystem;
 // Whether replacing `folder` loses nothing: it does not exist, is empty, or was written by us.
 Status check_replaceable(const std::string& folder) {
     std::error_code error;
-    const fs::file_status status = fs::status(folder, error);
+    const fs::file_status status = fs::status(to_path(folder), error);
     if (!fs::exists(status))
         return {};
     if (!fs::is_directory(status))
         return {ErrorCode::io, folder + ": exists and is not a folder"};
-    const bool ours = fs::exists(folder + "/" + views_json_name, error);
+    const bool ours = fs::exists(to_path(folder + "/" + views_json_name), error);
     const auto json = read_views_json(folder);
     const std::string kept = json.ok() && *json ? (*json)->layout.pattern : "";
     TESSERA_TRY_ASSIGN(const auto pattern,
                        ViewPattern::parse(kept.empty() ? usual_view_pattern : kept));
     std::string other;
-    for (fs::directory_iterator i(folder, error), end; !error && i != end; i.increment(error)) {
+    for (fs::directory_iterator i(to_path(folder), error), end; !error && i != end;
+         i.increment(error)) {
         const std::string name = i->path().filename().string();
         if (name != views_json_name && !pattern.match(name))
             other = name;
@@ -37,7 +38,7 @@ Status check_replaceable(const std::string& folder) {
     if (!other.empty())
         return {ErrorCode::io, folder + ": holds a file that is no view (" + other +
                                    "); choose an empty or a new folder"};
-    if (!ours && !fs::is_empty(folder, error))
+    if (!ours && !fs::is_empty(to_path(folder), error))
         return {ErrorCode::io, folder +
                                    ": holds views but no tessera.json, so this program did not "
                                    "write them; choose an empty or a new folder"};

@@ -1,3 +1,4 @@
+#include "format/output_file.h"
 #include "format/surface_mesh.h"
 #include "tools/support/camera_grid.h"
 #include "tools/support/description_text.h"
@@ -207,7 +208,7 @@ void print_result(const EncodeCommand& a, const OpenedTexture& input, const Enco
 // Compressing a file once more over itself loses quality, and is seldom meant.
 Status check_not_input(const EncodeCommand& a) {
     std::error_code ignored;
-    if (a.in_place || !std::filesystem::equivalent(a.input, a.output, ignored))
+    if (a.in_place || !std::filesystem::equivalent(to_path(a.input), to_path(a.output), ignored))
         return {};
     return {ErrorCode::bad_argument,
             a.output + ": is the input; write to another name, or say --in-place to replace it"};

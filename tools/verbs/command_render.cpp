@@ -1,4 +1,5 @@
 #include "corpus/bake.h"
+#include "format/output_file.h"
 #include "tools/http/open_bytes.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
@@ -44,7 +45,7 @@ Status check_outputs(const RenderCommand& a, const std::vector<PlannedView>& pla
     }
     if (a.sheet.empty())
         return {};
-    if (std::filesystem::path(a.sheet).extension() != ".png")
+    if (to_path(a.sheet).extension() != ".png")
         return {ErrorCode::bad_argument, a.sheet + ": a sheet is a .png"};
     std::uint64_t pixels = 0;
     for (const PlannedView& view : plan) {

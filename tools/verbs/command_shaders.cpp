@@ -1,4 +1,5 @@
 #include "decoder_glsl/shader_source.h"
+#include "format/output_file.h"
 #include "tools/support/option_checks.h"
 #include "tools/support/output_folders.h"
 #include "tools/verbs/command.h"
@@ -36,8 +37,7 @@ Status write_shader(std::string_view name, const ShadersCommand& a, ShaderDialec
     TESSERA_TRY_ASSIGN(std::string text, shader_source(name, dialect, defines));
     if (name == "sample.glsl")
         text.erase(0, text.find('\n') + 1); // the #version line
-    return write_bytes((std::filesystem::path(a.output) / name).string(),
-                       std::as_bytes(std::span(text)));
+    return write_bytes((to_path(a.output) / name).string(), std::as_bytes(std::span(text)));
 }
 
 Status run(const ShadersCommand& a) {
@@ -47,7 +47,7 @@ Status run(const ShadersCommand& a) {
         if (a.dialect == name)
             dialect = value;
     std::error_code error;
-    std::filesystem::create_directories(a.output, error);
+    std::filesystem::create_directories(to_path(a.output), error);
     if (error)
         return {ErrorCode::io, a.output + ": " + error.message()};
     const std::vector<std::string_view> names = shader_names();

@@ -1,3 +1,4 @@
+#include "format/output_file.h"
 #include "tools/picture/sheets.h"
 #include "tools/support/fill_text.h"
 #include "tools/support/interrupt.h"
@@ -22,8 +23,7 @@ struct SheetCommand {
 };
 
 bool is_png_file(const std::string& path) {
-    return std::filesystem::path(path).extension() == ".png" &&
-           !std::filesystem::is_directory(path);
+    return to_path(path).extension() == ".png" && !std::filesystem::is_directory(to_path(path));
 }
 
 // Appends to `remark` which parts of the textures were missing and had to be filled.
@@ -33,7 +33,7 @@ Result<Picture> sheet_of_textures(const SheetCommand& a, std::string& remark) {
                       "a sheet shows at most two textures, or any number of .png files");
     TESSERA_TRY_ASSIGN(const auto hints, make_hints(a.texture));
     SheetOptions options = a.sheet;
-    options.name_a = std::filesystem::path(a.inputs[0]).filename().string();
+    options.name_a = to_path(a.inputs[0]).filename().string();
     OpenedTexture first, second;
     if (a.inputs.size() == 1) {
         auto opened = open_texture(a.inputs[0], hints);
@@ -41,7 +41,7 @@ Result<Picture> sheet_of_textures(const SheetCommand& a, std::string& remark) {
             return with_partial_hint(opened.status(), a.inputs[0], hints.decode);
         first = std::move(*opened);
     } else {
-        options.name_b = std::filesystem::path(a.inputs[1]).filename().string();
+        options.name_b = to_path(a.inputs[1]).filename().string();
         auto opened = open_two_textures(a.inputs[0], a.inputs[1], hints);
         if (!opened.ok())
             return with_partial_hint(opened.status(), a.inputs[0], a.inputs[1], hints.decode);
@@ -56,7 +56,7 @@ Result<Picture> sheet_of_textures(const SheetCommand& a, std::string& remark) {
 }
 
 Status run(const SheetCommand& a) {
-    if (std::filesystem::path(a.output).extension() != ".png")
+    if (to_path(a.output).extension() != ".png")
         return {ErrorCode::bad_argument, a.output + ": a sheet is a .png"};
     TESSERA_TRY(check_output_path(a.output));
     const bool pictures = std::all_of(a.inputs.begin(), a.inputs.end(), is_png_file);

@@ -7,6 +7,7 @@
 #include "tools/support/interrupt.h"
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
+#include "tools/support/system.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
 #include "tools/view/outside_colour.h"
@@ -18,13 +19,8 @@
 #endif
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
-#include <fcntl.h>
 #include <filesystem>
-#include <spawn.h>
-
-extern char** environ;
 
 namespace tessera {
 namespace {
@@ -117,7 +113,7 @@ Status write_page(const ViewCommand& a) {
     TESSERA_TRY_ASSIGN(const auto source, open_for_page(a.file, fetched));
     TESSERA_TRY_ASSIGN(const Decoder decoder, Decoder::open(*source));
     PageContents page;
-    page.title = std::filesystem::path(a.file).filename().string();
+    page.title = to_path(a.file).filename().string();
     TESSERA_TRY_ASSIGN(const glm::dvec3 outside, outside_colour(decoder.container()));
     page.background = outside;
     page.file = source.get();
@@ -138,30 +134,6 @@ Status write_page(const ViewCommand& a) {
 
 #ifdef TESSERA_HTTP
 
-// Ignores failures, since the URL is on the screen. The browser gets its own process group, so that
-// Ctrl-C does not end it, and its own handling of the signals that this program ignores.
-void open_in_browser(const std::string& url) {
-    const char* const arguments[] = {"xdg-open", url.c_str(), nullptr};
-    sigset_t ignored_here;
-    sigemptyset(&ignored_here);
-    sigaddset(&ignored_here, SIGPIPE);
-    sigaddset(&ignored_here, SIGXFSZ);
-    posix_spawnattr_t apart;
-    posix_spawnattr_init(&apart);
-    posix_spawnattr_setflags(&apart, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-    posix_spawnattr_setpgroup(&apart, 0);
-    posix_spawnattr_setsigdefault(&apart, &ignored_here);
-    posix_spawn_file_actions_t silent;
-    posix_spawn_file_actions_init(&silent);
-    for (const int stream : {1, 2})
-        posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
-    pid_t child = 0;
-    posix_spawnp(&child, arguments[0], &silent, &apart, const_cast<char* const*>(arguments),
-                 environ);
-    posix_spawnattr_destroy(&apart);
-    posix_spawn_file_actions_destroy(&silent);
-}
-
 Status serve_page(const ViewCommand& a) {
     if (is_url(a.file))
         return {ErrorCode::bad_argument, a.file + ": view serves local files only; -o page.html "
@@ -171,7 +143,7 @@ Status serve_page(const ViewCommand& a) {
     // Serves only this file, also if the name is a link to it: any page in the browser can send
     // requests to this server.
     std::error_code error;
-    const std::filesystem::path path = std::filesystem::canonical(a.file, error);
+    const std::filesystem::path path = std::filesystem::canonical(to_path(a.file), error);
     if (error)
         return {ErrorCode::io, a.file + ": " + error.message()};
     FileServerOptions options = folder_with_viewer(path.parent_path().string());
@@ -182,7 +154,7 @@ Status serve_page(const ViewCommand& a) {
     std::printf("%s\n", url.c_str());
     std::fflush(stdout);
     if (!a.no_open)
-        open_in_browser(url);
+        open_in_browser(url); // failures do not matter, since the URL is on the screen
     serve_until_interrupted();
 }
 

@@ -23,7 +23,7 @@ void print_now(const std::string& line) {
 } // namespace
 
 std::string beside(const std::string& output, const std::string& what) {
-    std::filesystem::path path(output);
+    std::filesystem::path path = to_path(output);
     path.replace_filename(path.stem().string() + "-" + what + path.extension().string());
     return path.string();
 }

@@ -1,5 +1,6 @@
 #include "tools/view/render_views.h"
 
+#include "format/output_file.h"
 #include "tools/support/parse.h"
 #include "tools/view/planar_renderer.h"
 
@@ -25,7 +26,7 @@ Status parse_picture_size(const std::string& text, Lens& lens) {
 
 // "out.png" -> "out-07.png".
 std::string numbered(const std::string& path, std::size_t number, std::size_t digits) {
-    const std::filesystem::path p(path);
+    const std::filesystem::path p = to_path(path);
     std::string text = std::to_string(number);
     text.insert(0, digits - std::min(digits, text.size()), '0');
     std::filesystem::path out = p;

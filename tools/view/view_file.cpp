@@ -1,6 +1,7 @@
 #include "tools/view/view_file.h"
 
 #include "corpus/exr_stream.h"
+#include "format/output_file.h"
 #include "tools/support/output_folders.h"
 #include "tools/texture_io/texture_io.h"
 
@@ -15,7 +16,7 @@ namespace tessera {
 namespace {
 
 std::string ending_of(const std::string& path) {
-    return std::filesystem::path(path).extension().string();
+    return to_path(path).extension().string();
 }
 
 Status write_exr(const std::string& path, const View& view) {

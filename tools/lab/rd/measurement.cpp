@@ -1,5 +1,6 @@
 #include "tools/lab/rd/measurement.h"
 
+#include "format/output_file.h"
 #include "tools/lab/rd/rivals.h" // bytes_in_file
 #include "tools/support/checksum.h"
 #include "tools/support/output_folders.h"
@@ -134,7 +135,7 @@ std::optional<Measurement> MeasurementCache::find(const Json& key) const {
 
 Status MeasurementCache::keep(const Json& key, const Measurement& measurement) const {
     std::error_code error;
-    std::filesystem::create_directories(folder_, error);
+    std::filesystem::create_directories(to_path(folder_), error);
     if (error)
         return {ErrorCode::io, folder_ + ": cannot be created: " + error.message()};
     const Json json = {{"key", key}, {"measurement", to_json(measurement)}};

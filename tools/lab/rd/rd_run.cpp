@@ -1,5 +1,6 @@
 #include "tools/lab/rd/rd_run.h"
 
+#include "format/output_file.h"
 #include "format/work.h"
 #include "tools/lab/rd/plot.h"
 #include "tools/lab/rd/sweep.h"
@@ -8,13 +9,13 @@
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
+#include "tools/support/system.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <unistd.h>
 
 namespace tessera {
 namespace {
@@ -115,7 +116,7 @@ std::string command_text(const RdOptions& o) {
 
 // Lines on standard output between redrawings of the bar on standard error.
 void print_line(const Measurement& m, std::size_t number, std::size_t count) {
-    if (isatty(STDERR_FILENO))
+    if (is_terminal(StandardStream::error))
         std::fputs("\r\x1b[K", stderr);
     const std::string head = "[" + std::to_string(number) + "/" + std::to_string(count) + "] " +
                              m.codec + " " + m.setting;
@@ -236,7 +237,7 @@ Result<RdReport> run_rd(const RdOptions& requested) {
     for (const std::string& name : options.textures)
         TESSERA_TRY(check_rd_name(name));
     std::error_code error;
-    std::filesystem::create_directories(options.output, error);
+    std::filesystem::create_directories(to_path(options.output), error);
     if (error)
         return Status(ErrorCode::io, options.output + ": cannot be created: " + error.message());
     RdReport report;

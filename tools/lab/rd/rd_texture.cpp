@@ -1,6 +1,7 @@
 #include "tools/lab/rd/rd_texture.h"
 
 #include "corpus/bake.h"
+#include "format/output_file.h"
 #include "format/texture.h"
 #include "format/work.h"
 #include "tools/scenes/scene_name.h"
@@ -106,7 +107,7 @@ std::string label_of(const std::string& name) {
     std::string path = name;
     while (path.size() > 1 && path.back() == '/')
         path.pop_back();
-    std::string label = std::filesystem::path(path).stem().string();
+    std::string label = to_path(path).stem().string();
     for (char& c : label)
         if (!std::isalnum(static_cast<unsigned char>(c)))
             c = '_';
@@ -123,7 +124,7 @@ std::string hex(std::uint32_t value) {
 
 Status check_rd_name(const std::string& name) {
     const bool says_kind = kind_of(name) != TextureKind::unknown || is_url(name);
-    return says_kind || std::filesystem::exists(name) ? Status() : check_scene(name);
+    return says_kind || std::filesystem::exists(to_path(name)) ? Status() : check_scene(name);
 }
 
 const std::byte* RdTexture::texel(std::uint32_t u, std::uint32_t v, std::uint32_t s,

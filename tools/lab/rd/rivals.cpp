@@ -1,6 +1,7 @@
 #include "tools/lab/rd/rivals.h"
 
 #include "format/byte_source.h"
+#include "format/output_file.h"
 #include "format/work.h"
 #include "tools/support/suggestions.h"
 
@@ -143,10 +144,9 @@ std::string needs_rgb8(const TextureDesc& desc) {
 
 Result<std::uint64_t> bytes_of_file(const std::string& path) {
     std::error_code error;
-    const std::uint64_t bytes = std::filesystem::file_size(path, error);
+    const std::uint64_t bytes = std::filesystem::file_size(to_path(path), error);
     if (error)
-        return Status(ErrorCode::runtime,
-                      std::filesystem::path(path).filename().string() + ": was not written");
+        return Status(ErrorCode::runtime, to_path(path).filename().string() + ": was not written");
     return bytes;
 }
 

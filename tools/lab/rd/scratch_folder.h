@@ -2,13 +2,13 @@
 // was created by keep().
 #pragma once
 
+#include "format/output_file.h"
 #include "format/status.h"
 
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
+#include <random>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace tessera {
@@ -21,25 +21,35 @@ public:
     ~ScratchFolder() {
         std::error_code ignored;
         if (!path_.empty() && !kept_)
-            std::filesystem::remove_all(path_, ignored);
+            std::filesystem::remove_all(to_path(path_), ignored);
     }
 
     // Creates a new folder below the system's folder for temporary files (TMPDIR).
     static Result<ScratchFolder> create() {
-        std::error_code ignored;
-        std::string name =
-            (std::filesystem::temp_directory_path(ignored) / "tessera-rd-XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr)
-            return Status(ErrorCode::io, name + ": cannot be created: " + std::strerror(errno));
-        return ScratchFolder(std::move(name), false);
+        namespace fs = std::filesystem;
+        std::error_code error;
+        const fs::path parent = fs::temp_directory_path(error);
+        std::random_device random;
+        constexpr int attempts = 100;
+        fs::path path;
+        for (int i = 0; !error && i < attempts; ++i) {
+            path = parent / ("tessera-rd-" + std::to_string(random()));
+            if (!fs::create_directory(path, error))
+                continue; // the name is taken
+            fs::permissions(path, fs::perms::owner_all, error);
+            return ScratchFolder(path.string(), false);
+        }
+        return Status(ErrorCode::io,
+                      path.string() + ": cannot be created: " +
+                          (error ? error : std::make_error_code(std::errc::file_exists)).message());
     }
 
     // Empties `path`, or creates it, and does not delete it afterwards.
     static Result<ScratchFolder> keep(const std::string& path) {
         std::error_code error;
-        std::filesystem::remove_all(path, error);
+        std::filesystem::remove_all(to_path(path), error);
         if (!error)
-            std::filesystem::create_directories(path, error);
+            std::filesystem::create_directories(to_path(path), error);
         if (error)
             return Status(ErrorCode::io, path + ": cannot be created: " + error.message());
         return ScratchFolder(path, true);

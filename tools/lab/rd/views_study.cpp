@@ -3,6 +3,7 @@
 #include "codec/encoder.h"
 #include "corpus/bake.h"
 #include "corpus/catalog.h"
+#include "format/output_file.h"
 #include "tools/lab/rd/curve_plot.h"
 #include "tools/lab/rd/scratch_folder.h"
 #include "tools/lab/rd/view_poses.h"
@@ -220,8 +221,7 @@ std::string to_csv(const ViewsReport& report) {
 
 Status write_reports(const ViewsOptions& o, const ViewsReport& report) {
     const auto write = [&](const char* name, const std::string& text) {
-        return write_bytes((std::filesystem::path(o.output) / name).string(),
-                           std::as_bytes(std::span(text)));
+        return write_bytes((to_path(o.output) / name).string(), std::as_bytes(std::span(text)));
     };
     TESSERA_TRY(write("views.svg", svg_of(report)));
     TESSERA_TRY(write("views.md", to_text(report)));
@@ -233,8 +233,7 @@ Status write_reports(const ViewsOptions& o, const ViewsReport& report) {
 
 Result<ViewsReport> run_views_study(const ViewsOptions& options) {
     TESSERA_TRY(check_scene(options.scene).with_context("--views"));
-    TESSERA_TRY(
-        make_parent_folders((std::filesystem::path(options.output) / "views.svg").string()));
+    TESSERA_TRY(make_parent_folders((to_path(options.output) / "views.svg").string()));
     ViewsReport report{options.scene,
                        "tessera rd --views " + options.scene + (options.quick ? " --quick" : "") +
                            " -o " + options.output,

@@ -33,9 +33,8 @@ struct condition_variable {
 };
 struct thread {
     static unsigned hardware_concurrency() { return 1; }
-};
-struct jthread {
-    template <class Body> explicit jthread(Body&& body) { body(); }
+    template <class Body> explicit thread(Body&& body) { body(); }
+    void join() {}
 };
 enum class launch { async, deferred };
 template <class T> struct future {
