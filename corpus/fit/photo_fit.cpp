@@ -9,12 +9,14 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr double most_fitted_pixels = 4e6;
+constexpr double most_fitted_pixels = 4e6, most_fitted_samples = 16e6;
 constexpr double most_direction_texels = 8e6; // of the field of groups
 constexpr double outlier_times = 12.0;        // errors, see weigh_outliers()
-constexpr double wrong_times = 3.5;           // the usual error of a photograph
+// A photograph is wrong if its error exceeds the median by this factor, and by so many deviations.
+constexpr double wrong_times = 1.75, wrong_deviations = 3.0;
 constexpr double least_gain = 0.01;           // that is corrected
 constexpr double least_shift = 0.1;           // that is corrected, pixels
+constexpr unsigned correction_rounds = 2;     // of poses and wrong photographs
 constexpr unsigned trials_per_photograph = 5; // every so many are kept out of trial fits
 constexpr std::array<double, 3> trial_smoothness{0.25, 1.0, 4.0};
 
@@ -35,6 +37,12 @@ void set_costs(Fields& fields, const PhotoSamples& samples, double smoothness) {
     fields[local].shrink = 0.1 * seen(local);
 }
 
+double median(std::vector<double> numbers) {
+    const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+    std::nth_element(numbers.begin(), middle, numbers.end());
+    return *middle;
+}
+
 // The photographs that take part in a fit, and all that was found out about them.
 class Fit {
 public:
@@ -48,12 +56,13 @@ public:
     Fields& fields() { return fields_; }
 
     PhotoTraceOptions trace_options(std::span<const PosedPhotograph> photographs) const {
-        double pixels = 0;
+        double seen = 0; // pixels: about a quarter of a picture shows the mesh
         for (const PosedPhotograph& p : photographs)
-            pixels += static_cast<double>(p.camera.width) * p.camera.height;
+            seen += 0.25 * static_cast<double>(p.camera.width) * p.camera.height;
         return {.filter = options_.filter,
-                .rays = 2,
-                .share = std::min(1.0, 4.0 * most_fitted_pixels / pixels),
+                .rays = static_cast<unsigned>(
+                    std::clamp(std::sqrt(most_fitted_samples / seen), 2.0, 4.0)),
+                .share = std::min(1.0, most_fitted_pixels / seen),
                 .background = options_.background,
                 .run = options_.run};
     }
@@ -97,15 +106,14 @@ public:
         for (const double smoothness : trial_smoothness) {
             reset(samples);
             TESSERA_TRY(solve(samples, smoothness, options_.iterations / 2, "choosing smoothness"));
-            // The median, because one photograph may be wrong.
+            // The median, because some photographs may be wrong.
             std::vector<double> errors;
             for (const PhotoDifference& d : differences(tests))
                 errors.push_back(d.error);
-            const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-            std::nth_element(errors.begin(), middle, errors.end());
-            if (best == 0 || *middle < least) {
+            const double error = median(errors);
+            if (best == 0 || error < least) {
                 best = smoothness;
-                least = *middle;
+                least = error;
             }
         }
         return best;
@@ -126,20 +134,25 @@ private:
     Fields fields_;
 };
 
-double median_error(const std::vector<PhotoDifference>& differences) {
+// The largest error of a photograph that is not wrong.
+double most_error(const std::vector<PhotoDifference>& differences) {
+    constexpr double least = 0.02;        // a fit may be nearly exact
+    constexpr double per_median = 1.4826; // the standard deviation of a normal distribution
     std::vector<double> errors;
     for (const PhotoDifference& d : differences)
         errors.push_back(d.error);
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    return *middle;
+    const double usual = median(errors);
+    for (double& error : errors)
+        error = std::abs(error - usual);
+    return std::max(
+        {least, wrong_times * usual, usual + wrong_deviations * per_median * median(errors)});
 }
 
 // Moves the pictures to where the others show the mesh, and leaves out those that fit none of them.
 // Returns whether anything changed.
 bool correct(std::vector<PosedPhotograph>& photographs, std::vector<std::size_t>& numbers,
              const std::vector<PhotoDifference>& differences, PhotoFit& out) {
-    const double usual = median_error(differences);
+    const double most = most_error(differences);
     std::vector<PosedPhotograph> kept;
     std::vector<std::size_t> kept_numbers;
     bool changed = false;
@@ -147,7 +160,7 @@ bool correct(std::vector<PosedPhotograph>& photographs, std::vector<std::size_t>
         PhotoDifference& total = out.differences[numbers[i]];
         total.error = differences[i].error;
         total.gain = differences[i].gain;
-        if (differences[i].error > wrong_times * usual && differences[i].error > 0.02) {
+        if (differences[i].error > most) {
             out.left_out.push_back(numbers[i]);
             changed = true;
             continue;
@@ -280,9 +293,12 @@ Result<PhotoFit> fit_photographs(const Model& model,
     fit.reset(samples);
     TESSERA_TRY(fit.solve(samples, out.smoothness, options.iterations, "fitting"));
     if (options.corrects) {
-        if (correct(photographs, numbers, fit.differences(samples), out)) {
+        for (unsigned round = 0; round < correction_rounds; ++round) {
+            if (!correct(photographs, numbers, fit.differences(samples), out))
+                break;
             TESSERA_TRY_ASSIGN(
                 samples, trace_photographs(mesh, photographs, fit.trace_options(photographs)));
+            TESSERA_TRY(fit.solve(samples, out.smoothness, options.iterations / 2, "correcting"));
         }
         equalise(samples, fit.differences(samples));
         fit.weigh(samples);

@@ -49,7 +49,7 @@ Result<PixelFilter> PixelFilter::parse(std::string_view text) {
     if (!is_box && !is_gauss && name != "blackman-harris")
         return Status(ErrorCode::bad_argument,
                       in_quotes(text) + " is no pixel filter: box, gauss or blackman-harris");
-    double width = is_box ? 1 : 1.5;
+    double width = is_box ? 1 : is_gauss ? 4.5 : 3;
     if (colon != std::string_view::npos &&
         (!parse_word(text.substr(colon + 1), width) || !(width >= 0.01 && width <= 100)))
         return Status(ErrorCode::bad_argument,

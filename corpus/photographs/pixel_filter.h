@@ -14,8 +14,8 @@ public:
     // The square of the pixel itself.
     PixelFilter() = default;
     // "box", "gauss" or "blackman-harris", also with a width, "gauss:2.5": how far the filter
-    // reaches in all, 0.01 to 100 pixels. By default 1 for the box and 1.5 for the others, as in
-    // Blender, whose definitions these are. Errors: bad_argument, with the text.
+    // reaches in all, 0.01 to 100 pixels. By default 1 for the box, and for the others what Blender's
+    // Cycles makes of its usual width of 1.5: 4.5 for gauss, 3 for blackman-harris. Errors: bad_argument, with the text.
     static Result<PixelFilter> parse(std::string_view text);
 
     // Where a ray crosses the picture, in pixels from the left or upper side of its pixel. If `u` is

@@ -132,13 +132,13 @@ TsrLightSum tsr_light_of_lights(TsrReflectance reflectance, vec2 covered) {
 
 #ifdef TESSERA_LAYER_ENVIRONMENT
 // The light of the environment from the mirrored direction. frame.z: the bumped normal
-vec3 tsr_environment(TsrMeshFrame frame, vec3 view, float roughness) {
-    tsr_select(TESSERA_LAYER_ENVIRONMENT);
+vec3 tsr_environment(int layer, TsrMeshFrame frame, vec3 view, float roughness) {
+    tsr_select(layer);
     float lobes = float(tsr_four(tsr_p_size).x);
     vec2 place = vec2((tsr_environment_lobe(roughness, lobes) + 0.5) / lobes, 0.5);
-    vec3 root = tsr_value(TESSERA_LAYER_ENVIRONMENT,
-                          tsr_sample_atlas(place, tsr_taps_towards(frame, view), vec2(0.0)));
-    return root * root / tsr_scales[TESSERA_LAYER_ENVIRONMENT].x;
+    vec3 root =
+        tsr_value(layer, tsr_sample_atlas(place, tsr_taps_towards(frame, view), vec2(0.0)));
+    return root * root / tsr_scales[layer].x;
 }
 #endif
 
@@ -187,7 +187,8 @@ void main() {
     TsrLightSum sum = tsr_light_of_lights(reflectance, covered);
 #ifdef TESSERA_LAYER_ENVIRONMENT
     light += tsr_with_environment(
-        sum, reflected * tsr_environment(mirror, view, reflectance.roughness),
+        sum,
+        reflected * tsr_environment(TESSERA_LAYER_ENVIRONMENT, mirror, view, reflectance.roughness),
         reflectance.roughness);
 #else
     light += sum.points + sum.patches;

@@ -22,7 +22,8 @@ TEST(PixelFilter, IsABoxOfAPixelByDefault) {
     EXPECT_EQ(filter("box:2").place(0), -0.5);
     EXPECT_EQ(filter("box:2").place(0.75), 1);
     EXPECT_FALSE(filter("box:2").is_default());
-    EXPECT_EQ(filter("gauss").width(), 1.5);
+    EXPECT_EQ(filter("gauss").width(), 4.5);
+    EXPECT_EQ(filter("blackman-harris").width(), 3.0);
 }
 
 // The share of the filter to the left of a place is known: for the Gauss function by erf(), for

@@ -32,7 +32,8 @@ TEST_F(CliUsage, UnknownOptionsSuggestTheNearest) {
     fail(1, "encode x.rgb -o x.tess --target 40",
          {"did you mean --target-psnr, --target-bpt or --target-bytes?"});
     fail(1, "decode x.tess -o x.rgb --quality 40",
-         {"unknown option --quality; it belongs to bake, encode and rd", "tessera decode --help"});
+         {"unknown option --quality; it belongs to bake, fit, encode and rd",
+          "tessera decode --help"});
     fail(1, "info x.tess --jsn", {"did you mean --json?"});
     const Outcome far = run("encode x.rgb -o x.tess --frobnicate");
     EXPECT_NE(far.err.find("unknown option --frobnicate (see"), std::string::npos) << far.err;

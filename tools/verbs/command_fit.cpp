@@ -16,6 +16,7 @@
 #include "tools/view/render_stage.h"
 #include "tools/view/render_views.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -111,15 +112,17 @@ std::string text_of(const std::optional<glm::dvec3>& colour) {
 }
 
 Metadata fit_metadata(const FitCommand& a, const corpus::PhotoFit& fit, std::size_t photographs) {
-    return metadata_of(std::vector<std::pair<std::string, std::string>>{
+    std::vector<std::pair<std::string, std::string>> facts = {
         {"photographs", a.photographs},
         {"model", a.mesh},
         {"number of photographs", std::to_string(photographs)},
-        {"background", text_of(fit.background)},
         {"smoothness", format_number(fit.smoothness, 3)},
         {"texels per unit", format_number(fit.layers.density, 3)},
         {"frame", a.y_up ? "of the cameras; the model was turned from y up to z up"
-                         : "of the cameras and the model"}});
+                         : "of the cameras and the model"}};
+    if (fit.background) // what renderers show around the mesh
+        facts.emplace_back("background", text_of(fit.background));
+    return metadata_of(facts);
 }
 
 // The drawn view as 8-bit codes, which is what `tessera render` writes.
@@ -183,16 +186,30 @@ Json figures_json(const std::vector<ComparedPhotograph>& photographs) {
     return json;
 }
 
+// What the fit found out about each photograph.
+Json pictures_json(const corpus::PhotoFit& fit, std::span<const PosedPhotograph> photographs) {
+    Json pictures = Json::array();
+    for (std::size_t i = 0; i < photographs.size(); ++i) {
+        const corpus::PhotoDifference& d = fit.differences[i];
+        pictures.push_back({{"name", photographs[i].name},
+                            {"error", d.error},
+                            {"gain", d.gain},
+                            {"shift", {d.shift.x, d.shift.y}},
+                            {"left_out", std::ranges::count(fit.left_out, i) > 0}});
+    }
+    return pictures;
+}
+
 struct FitResult {
     corpus::PhotoFit fit;
     CodedLayers coded;
     std::vector<ComparedPhotograph> held_out;
-    std::vector<std::string> left_out; // names
     double seconds = 0;
 };
 
-void report(const FitCommand& a, const FitResult& r, std::size_t photographs,
+void report(const FitCommand& a, const FitResult& r, std::span<const PosedPhotograph> fitted,
             const Warnings& warnings) {
+    const std::size_t photographs = fitted.size() - r.fit.left_out.size();
     if (a.encode.json) {
         Json json = {{"output", a.output},
                      {"bytes", r.coded.file.size()},
@@ -200,7 +217,7 @@ void report(const FitCommand& a, const FitResult& r, std::size_t photographs,
                      {"quality", r.coded.quality},
                      {"seconds", r.seconds},
                      {"photographs", photographs},
-                     {"left_out", r.left_out},
+                     {"pictures", pictures_json(r.fit, fitted)},
                      {"fitted_pixels", r.fit.pixels},
                      {"background", text_of(r.fit.background)},
                      {"smoothness", r.fit.smoothness},
@@ -286,11 +303,9 @@ Status run(const FitCommand& a) {
                                                         options.filter, options.run.progress));
         }
     }
-    for (const std::size_t i : result.fit.left_out)
-        result.left_out.push_back(photographs.fitted[i].name);
     result.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    report(a, result, photographs.fitted.size() - result.fit.left_out.size(), warnings);
+    report(a, result, photographs.fitted, warnings);
     return {};
 }
 
@@ -322,9 +337,10 @@ void declare(CLI::App& c, FitCommand& a) {
                   "Colour behind the object, 0..1, or white or black. Default: that of the "
                   "pictures' borders if it is the same everywhere; otherwise silhouettes do not "
                   "count");
-    photos.option("--pixel-filter", "NAME:WIDTH", a.pixel_filter,
-                  "What a pixel shows: box:1 (default), gauss:WIDTH, blackman-harris:WIDTH in "
-                  "pixels; pictures of Blender need blackman-harris:3");
+    photos.option(
+        "--pixel-filter", "NAME[:WIDTH]", a.pixel_filter,
+        "What a pixel shows: box (default), gauss or blackman-harris, also with a width in "
+        "pixels; pictures of Blender's Cycles need blackman-harris");
     photos.flag("--no-corrections", a.no_corrections,
                 "Trust all photographs: do not estimate exposures, small shifts and outliers");
     OptionGroup fit(c, "What is fitted");

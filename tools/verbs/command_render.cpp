@@ -248,6 +248,11 @@ Status run(const RenderCommand& a) {
             TESSERA_TRY_ASSIGN(plan, plan_camera(a.views, stage.decoder->container().metadata())
                                          .with_context(a.stage.file));
         }
+        if (a.views.cameras.empty() && a.views.camera.empty() && !stage.planar) {
+            ViewRequest views = a.views;
+            views.usual = stage.usual_pose;
+            TESSERA_TRY_ASSIGN(plan, plan_views(views));
+        }
         if (stage.planar && a.views.camera.empty() && a.views.cameras.empty()) {
             TESSERA_TRY_ASSIGN(plan, plan_views(a.views, stage.planar->cameras, stage.desc.size));
         }
@@ -340,7 +345,7 @@ void declare_renderer(CLI::App& c, RenderCommand& a) {
                  CLI::Range(1u, 65536u));
     group.option(
         "--pixel-filter", "NAME[:WIDTH]", a.pixel_filter,
-        "box (default, 1 pixel wide), gauss or blackman-harris (1.5), as Blender has them; "
+        "box (default, 1 pixel wide), gauss (4.5) or blackman-harris (3), as Blender has them; "
         "give more --rays");
     group.option("--tiles-per-frame", "N", r.tiles_per_frame,
                  "feedback: most tiles to decode between two frames, so that a view sharpens in "

@@ -1,5 +1,6 @@
 #include "tools/verbs/frame_log.h"
 
+#include "format/output_file.h"
 #include "tools/support/parse.h"
 #include "tools/view/view_file.h"
 

@@ -14,6 +14,8 @@
 #include "tools/view/outside_colour.h"
 
 #include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 namespace tessera {
 namespace {
@@ -94,6 +96,22 @@ Status open_texture_of(const StageRequest& r, Stage& stage) {
     return {};
 }
 
+// Meshes that keep the units of their cameras, unlike those of bakes, may be anywhere and of any
+// size.
+CameraPose pose_for(const SurfaceMesh& mesh) {
+    constexpr double paper_radius = 3.6, least_radius = 2.0; // of what the default pose shows well
+    glm::dvec3 low(mesh.positions.front()), high(low);
+    for (const glm::vec3& p : mesh.positions) {
+        low = glm::min(low, glm::dvec3(p));
+        high = glm::max(high, glm::dvec3(p));
+    }
+    const glm::dvec3 far = glm::max(-low, high), centre = 0.5 * (low + high);
+    const double radius = 0.5 * glm::length(high - low);
+    if (std::max({far.x, far.y, far.z}) <= paper_radius && radius >= least_radius)
+        return {};
+    return {centre + glm::dvec3(2.5 * radius, 0.0, 0.0), centre};
+}
+
 Status find_surface(const StageRequest& r, const RenderOptions& options, Stage& stage,
                     FileSurface& surface) {
     const ContainerReader& container = stage.decoder->container();
@@ -101,6 +119,8 @@ Status find_surface(const StageRequest& r, const RenderOptions& options, Stage& 
     TESSERA_TRY_ASSIGN(stage.planar, planar_views(container, r.focus));
     if (!stage.planar && r.focus)
         return {ErrorCode::bad_argument, "--focus can only be used with planar views"};
+    if (surface.mesh && !surface.mesh->mesh.positions.empty())
+        stage.usual_pose = pose_for(surface.mesh->mesh);
     if (stage.planar && (r.via != "cpu" || !r.truth.empty()))
         return {ErrorCode::unsupported,
                 r.file + ": planar views need --via cpu and cannot be compared with --truth"};

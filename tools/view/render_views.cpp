@@ -58,7 +58,7 @@ Result<std::vector<NamedPose>> poses_of(const ViewRequest& request, const Camera
 } // namespace
 
 Result<std::vector<PlannedView>> plan_views(const ViewRequest& request) {
-    CameraPose pose;
+    CameraPose pose = request.usual;
     Lens lens;
     lens.fov = request.fov;
     if (!request.eye.empty())

@@ -48,11 +48,15 @@ class MeshSurface {
         mesh.atlases.forEach(({mips, width, height, ids}, i) => mips && gl.texSubImage3D(
             gl.TEXTURE_2D_ARRAY, 0, 0, 0, i, width, height, 1, gl.RED_INTEGER, gl.UNSIGNED_SHORT, ids));
         nearest(gl, gl.TEXTURE_2D_ARRAY);
+        this.bounds = {low: mesh.low, high: mesh.high};
         this.centre = scale(add(mesh.low, mesh.high), 0.5);
         this.radius = Math.hypot(...sub(mesh.high, mesh.low)) / 2;
     }
+    // Meshes that keep the units of their cameras, unlike those of bakes, may be anywhere and of any size.
     defaultPose() {
-        return {eye: [10, 0, 0], look: [0, 0, 0]};
+        const {low, high} = this.bounds, far = Math.max(...low.map(Math.abs), ...high.map(Math.abs));
+        return far <= 3.6 && this.radius >= 2 ? {eye: [10, 0, 0], look: [0, 0, 0]}
+                                              : {eye: add(this.centre, [2.5 * this.radius, 0, 0]), look: this.centre};
     }
     allowed() {
         return true;
