@@ -29,6 +29,21 @@ function planarColour(u, v, s, t) {
     return isNear ? [230, 60, x * 20 % 256] : [u * 5 % 256, v * 7 % 256, (u >> 2) + (v >> 2) & 1 ? 128 : 60];
 }
 
+// A texture that is fitted to plain pictures of the box, each of another colour, so that its colours change with the
+// direction.
+function makeFit() {
+    const frames = Array.from({length: 6}, (_, i) => {
+        const angle = 0.4 + i * Math.PI / 3, s = Math.sin(angle), c = Math.cos(angle), name = `photo${i}.png`;
+        const pixel = String.fromCharCode(40 + 30 * i, 200 - 25 * i, 128);
+        writeFileSync(inFolder(name), 'P6 32 32 255\n' + pixel.repeat(32 * 32), 'latin1');
+        return {file_path: name, transform_matrix: [[c, 0, s, 6 * s], [0, 1, 0, 0], [-s, 0, c, 6 * c], [0, 0, 0, 1]]};
+    });
+    writeFileSync(inFolder('transforms.json'), JSON.stringify({w: 32, h: 32, fl_x: 40, frames}));
+    tessera('fit', inFolder('transforms.json'), '--mesh', inFolder('box.gltf'), '-o', inFolder('fitted.tess'), '--background',
+            'black', '--texels', '2000', '--directions', '4', '--shared-directions', '8', '--smoothness', '1',
+            '--no-corrections', '--quality', '90', '-q');
+}
+
 function makeTextures() {
     const quick = ['--spp', '1', '--effort', '0', '-q'];
     tessera('bake', 'composed', '-o', inFolder('sphere.tess'), '--size', '64x32x16x16', '--layers', ...quick);
@@ -39,6 +54,7 @@ function makeTextures() {
     writeFileSync(inFolder('box.gltf'), bumpyBox());
     tessera('bake', inFolder('box.gltf'), '-o', inFolder('lit.tess'), '--layered', '--texels', '20000', '--lights', '8',
             '--spp', '1', '--quality', '100', '-q');
+    makeFit();
     for (const [name, colour, ...more] of [['planar', planarColour, '0'],
                                            ['aligned', movingColour, '2', '--tile', '16x16x3x5']]) {
         writeFileSync(inFolder(`${name}.rgb`), texelsOf([48, 36, 5, 5], colour));
@@ -84,6 +100,16 @@ const tests = {
     },
 
     // Sharp highlights exaggerate the rounding of positions and normals, so that the share of equal pixels is no measure.
+    async 'photographs: differences by direction look as render draws them'(browser) {
+        tessera('view', inFolder('fitted.tess'), '-o', inFolder('fitted.html'), '-q');
+        for (const pose of [{}, {eye: '4,2,3'}]) {
+            await browser.open(`file://${inFolder('fitted.html')}${hash(pose, '400x300')}`);
+            const picture = await browser.picture(), {psnr} = compared(picture, rendered('fitted.tess', pose, '400x300'));
+            console.log(`fitted ${JSON.stringify(pose)}: ${psnr.toFixed(1)} dB`);
+            assert(hasContent(picture) && psnr > 35, `${psnr} dB`);
+            assert.equal(await browser.evaluate('Object.keys(tessera.layers.loaded).length'), 2);
+        }
+    },
     async 'layers: what render draws, damage, and too little memory'(browser, {url}) {
         tessera('view', inFolder('lit.tess'), '-o', inFolder('lit.html'), '-q');
         const views = [{eye: '6,4,5'}, {eye: '1.6,1.3,1.9', look: '0.4,0.2,0.9', fov: 30}, {eye: '-30,18,9', fov: 12}];
