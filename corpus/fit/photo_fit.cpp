@@ -290,6 +290,10 @@ Result<PhotoFit> fit_photographs(const Model& model,
     }
     TESSERA_TRY_ASSIGN(PhotoSamples samples,
                        trace_photographs(mesh, photographs, fit.trace_options(photographs)));
+    if (std::ranges::none_of(samples.pixels, [](const PhotoPixel& p) { return p.weight > 0.0f; }))
+        return Status(ErrorCode::bad_argument,
+                      "no pixel shows the mesh alone, and the background varies; state the "
+                      "background's colour if it has one");
     fit.reset(samples);
     TESSERA_TRY(fit.solve(samples, out.smoothness, options.iterations, "fitting"));
     if (options.corrects) {
