@@ -20,7 +20,7 @@ constexpr unsigned correction_rounds = 2;     // of poses and wrong photographs
 constexpr unsigned trials_per_photograph = 5; // every so many are kept out of trial fits
 constexpr std::array<double, 3> trial_smoothness{0.25, 1.0, 4.0};
 
-enum FieldPart : std::size_t { colour, shared, local, field_count };
+enum FieldPart : std::size_t { colour, shared, local };
 using Fields = std::vector<TextureField>;
 
 // Errors of a fit are not noise: those of neighbouring pixels and of many photographs are alike. So
