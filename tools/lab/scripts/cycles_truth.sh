@@ -3,7 +3,7 @@
 # beside Blender Cycles" of tests/regression/models.md.
 #   tools/lab/scripts/cycles_truth.sh TESSERA SHARED OUT [PATHS]
 # SHARED holds the folder assets of models and environments. Each pixel gets PATHS paths, a multiple
-# of 16, 128 by default. Needs Blender 3.4; takes about two minutes on two idle cores.
+# of 16, 128 by default. Needs Blender 3.4; takes about two minutes on two shared cores.
 set -eu
 tool=$1 assets=$2/assets out=$3 paths=${4:-128}
 models=$assets/models environment=$assets/studio.exr
