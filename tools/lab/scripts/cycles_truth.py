@@ -1,0 +1,118 @@
+"""Renders a model with Blender Cycles as `tessera render --truth` does, and compares both pictures:
+    blender -b -P cycles_truth.py -- MODEL ENV.exr EYE LOOK FOV WxH SPP OUT.exr
+        [TRUTH.exr EXPOSURE [MATERIAL,...]]
+EYE and LOOK are X,Y,Z in the units of `tessera bake`; FOV is vertical, in degrees. MODEL is .gltf,
+.glb or .obj without materials, which becomes grey metal of roughness 0.1. TRUTH.exr is the
+name-truth.exr of `tessera render --rays 1 --write-all`, N times as wide and high as WxH. Its values
+are those of sRGB. EXPOSURE is that of `tessera bake`; it has to be so low that no light is clamped.
+Pixels that show one of the MATERIALs are not compared."""
+import bpy, math, sys
+from mathutils import Vector
+import numpy as np
+
+np.bool = bool  # The importer of Blender 3.4 uses this name, which NumPy 1.24 lacks.
+model, environment, eye, look, fov, size, paths, out, *rival = sys.argv[sys.argv.index('--') + 1:]
+width, height = map(int, size.split('x'))
+blender_axes = lambda v: Vector((v[0], -v[2], v[1]))  # z is up
+place = lambda text: blender_axes([float(x) for x in text.split(',')])
+
+bpy.ops.wm.read_factory_settings(use_empty=True)
+if model.endswith('.obj'):
+    bpy.ops.wm.obj_import(filepath=model)
+    metal = bpy.data.materials.new('')
+    metal.use_nodes = True
+    inputs = metal.node_tree.nodes['Principled BSDF'].inputs
+    inputs['Base Color'].default_value = (.3185, .3185, .3185, 1)  # sRGB 0.6
+    inputs['Metallic'].default_value, inputs['Roughness'].default_value = 1, .1
+    for mesh in bpy.data.meshes:
+        mesh.materials.clear()
+        mesh.materials.append(metal)
+        mesh.polygons.foreach_set('use_smooth', [True] * len(mesh.polygons))
+else:
+    bpy.ops.import_scene.gltf(filepath=model)
+for image in bpy.data.images:
+    image.alpha_mode = 'CHANNEL_PACKED'  # Otherwise opaque materials show colours times alpha.
+for material in bpy.data.materials:
+    if not material.use_nodes:
+        continue
+    tree = material.node_tree
+    alphas = [link for link in tree.links if link.to_socket.name == 'Alpha']
+    if material.blend_method == 'CLIP' and alphas:  # Cycles ignores this setting.
+        clip = tree.nodes.new('ShaderNodeMath')
+        clip.operation = 'GREATER_THAN'
+        clip.inputs[1].default_value = material.alpha_threshold
+        source, alpha = alphas[0].from_socket, alphas[0].to_socket
+        tree.links.new(source, clip.inputs[0])
+        tree.links.new(clip.outputs[0], alpha)
+    if material.name in (rival[2].split(',') if len(rival) > 2 else ()):
+        surface = tree.get_output_node('CYCLES').inputs['Surface']
+        path, mix = tree.nodes.new('ShaderNodeLightPath'), tree.nodes.new('ShaderNodeMixShader')
+        tree.links.new(path.outputs['Is Camera Ray'], mix.inputs[0])
+        tree.links.new(surface.links[0].from_socket, mix.inputs[1])
+        tree.links.new(tree.nodes.new('ShaderNodeHoldout').outputs[0], mix.inputs[2])
+        tree.links.new(mix.outputs[0], surface)
+scene = bpy.context.scene
+bpy.context.view_layer.update()
+
+# `tessera bake` moves and scales the model. Here the camera moves instead.
+corners = np.array([o.matrix_world @ v.co for o in scene.objects if o.type == 'MESH'
+                    for v in o.data.vertices])
+middle = (corners.min(0) + corners.max(0)) / 2
+unit = np.linalg.norm(corners - middle, axis=1).max() / 3.5
+start, target = (Vector(middle) + place(text) * unit for text in (eye, look))
+camera = bpy.data.cameras.new('camera')
+camera.sensor_fit, camera.angle = 'VERTICAL', math.radians(float(fov))
+camera.clip_start, camera.clip_end = .01 * unit, 1000 * unit
+scene.camera = bpy.data.objects.new('camera', camera)
+scene.camera.location = start
+scene.camera.rotation_euler = (target - start).to_track_quat('-Z', 'Y').to_euler()
+scene.collection.objects.link(scene.camera)
+
+# Blender's longitude of these axes is that of corpus/trace/environment.cpp.
+scene.world = bpy.data.worlds.new('')
+scene.world.use_nodes = True
+tree = scene.world.node_tree
+sky = tree.nodes.new('ShaderNodeTexEnvironment')
+sky.image = bpy.data.images.load(environment)
+tree.links.new(sky.outputs[0], tree.nodes['Background'].inputs[0])
+
+scene.render.engine, cycles = 'CYCLES', scene.cycles
+scene.render.resolution_x, scene.render.resolution_y = width, height
+scene.render.film_transparent = True
+cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = int(paths), False, False
+cycles.pixel_filter_type = 'BOX'
+cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 8  # as most_bounces, tracer.cpp
+cycles.transmission_bounces = cycles.transparent_max_bounces = 8
+cycles.sample_clamp_indirect = cycles.blur_glossy = cycles.light_sampling_threshold = 0
+scene.render.image_settings.file_format = 'OPEN_EXR'
+scene.render.image_settings.color_mode = 'RGBA'
+scene.render.image_settings.color_depth = '32'
+scene.render.filepath = out
+bpy.ops.render.render(write_still=True)
+
+def pixels(path):
+    image = bpy.data.images.load(path)
+    image.colorspace_settings.is_data = True
+    return np.array(image.pixels).reshape(image.size[1], image.size[0], 4).astype(float)
+
+def srgb(light):
+    x = np.clip(light, 0, 1)
+    return np.where(x < .0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - .055)
+
+def linear(value):
+    return np.where(value < .04045, value / 12.92, ((value + .055) / 1.055) ** 2.4)
+
+if rival:
+    theirs, truth = pixels(out), pixels(rival[0])[..., :3]
+    blocks = (height, truth.shape[0] // height, width, truth.shape[1] // width)
+    hit = (truth < 1).any(-1).reshape(blocks).all((1, 3))  # The background may be white.
+    truth = linear(truth).reshape(*blocks, 3).mean((1, 3)) / float(rival[1])
+    seen = hit & (theirs[..., 3] > .9999)
+    ours, theirs = truth[seen], theirs[seen][:, :3]
+    bright = 0.6 / np.mean(ours)
+    error = np.mean((srgb(ours * bright) - srgb(theirs * bright)) ** 2)
+    ratios = ours.mean(1) / np.maximum(theirs.mean(1), 1e-9)
+    low, median, high = np.quantile(ratios, (.25, .5, .75))
+    print(f'pixels {seen.sum()}; mean light: Tessera {ours.mean():.4f}, Cycles '
+          f'{theirs.mean():.4f}, ratio {ours.mean() / theirs.mean():.3f}; per pixel: median ratio '
+          f'{median:.3f}, quartiles {low:.3f} {high:.3f}; PSNR {-10 * math.log10(error):.1f} dB')
