@@ -39,6 +39,32 @@ std::size_t part_begin(std::size_t part, std::size_t pixels) {
     return part * pixels / parts;
 }
 
+// Adds what a sample sees of `values`, which have the layout of field.values.
+void add_seen(const TextureField& field, const std::vector<float>& values,
+              const PhotoSample& sample, std::array<float, 3>& colour) {
+    const FieldTaps seen = taps(field, sample);
+    for (unsigned j = 0; j < seen.count; ++j) {
+        const float weight = sample.weight * seen.weight[j];
+        const float* const x = values.data() + seen.first[j];
+        for (std::size_t c = 0; c < 3; ++c)
+            colour[c] += weight * x[c];
+    }
+}
+
+// The squared weights with which pixels see each texel. The samples of a pixel mostly see the same
+// texels, so their weights add up before they are squared.
+std::vector<float> seen_weights(const TextureField& field, const PhotoSamples& samples) {
+    std::vector<float> weights(field.places() * field.texels_per_place(), 0.0f);
+    for (const PhotoPixel& pixel : samples.pixels)
+        for (const PhotoSample& sample : samples.of(pixel)) {
+            const FieldTaps seen = taps(field, sample);
+            for (unsigned j = 0; j < seen.count; ++j)
+                weights[seen.first[j] / 3] +=
+                    pixel.weight * pixel.coverage * sample.weight * seen.weight[j] * seen.weight[j];
+        }
+    return weights;
+}
+
 class NormalEquations {
 public:
     NormalEquations(std::span<const TextureField> fields, const PhotoSamples& samples,
@@ -52,16 +78,8 @@ public:
             for (std::size_t i = part_begin(part, seen.size());
                  i < part_begin(part + 1, seen.size()); ++i)
                 for (const PhotoSample& sample : samples_.of(samples_.pixels[i]))
-                    for (std::size_t k = 0; k < fields_.size(); ++k) {
-                        const FieldTaps seen_texels = taps(fields_[k], sample);
-                        const float* const from = values[k].data();
-                        for (unsigned j = 0; j < seen_texels.count; ++j) {
-                            const float weight = sample.weight * seen_texels.weight[j];
-                            const float* const x = from + seen_texels.first[j];
-                            for (std::size_t c = 0; c < 3; ++c)
-                                seen[i][c] += weight * x[c];
-                        }
-                    }
+                    for (std::size_t k = 0; k < fields_.size(); ++k)
+                        add_seen(fields_[k], values[k], sample, seen[i]);
             return {};
         });
     }
@@ -97,26 +115,15 @@ public:
 
     // The inverse of an estimate of the matrix's diagonal.
     Values preconditioner() const {
-        Values diagonal = zeros(fields_);
-        for (const PhotoPixel& pixel : samples_.pixels)
-            for (const PhotoSample& sample : samples_.of(pixel))
-                for (std::size_t k = 0; k < fields_.size(); ++k) {
-                    const FieldTaps seen = taps(fields_[k], sample);
-                    for (unsigned j = 0; j < seen.count; ++j)
-                        for (std::size_t c = 0; c < 3; ++c)
-                            // The samples of a pixel mostly see the same texels, so that their
-                            // weights add up before they are squared.
-                            diagonal[k][seen.first[j] + c] += pixel.weight * pixel.coverage *
-                                                              sample.weight * seen.weight[j] *
-                                                              seen.weight[j];
-                }
-        for (std::size_t k = 0; k < fields_.size(); ++k) {
-            const auto own = static_cast<float>(fields_[k].shrink + 4.0 * fields_[k].smooth_places +
-                                                4.0 * fields_[k].smooth_directions + 1e-6);
-            for (float& x : diagonal[k])
-                x = 1.0f / (x + own);
+        Values inverse;
+        for (const TextureField& field : fields_) {
+            const auto own = static_cast<float>(field.shrink + 4.0 * field.smooth_places +
+                                                4.0 * field.smooth_directions + 1e-6);
+            auto& values = inverse.emplace_back();
+            for (const float weight : seen_weights(field, samples_))
+                values.insert(values.end(), 3, 1.0f / (weight + own));
         }
-        return diagonal;
+        return inverse;
     }
 
 private:
@@ -156,42 +163,26 @@ Values product(const Values& a, const Values& b) {
 
 PixelColours predict(std::span<const TextureField> fields, const PhotoSamples& samples,
                      unsigned threads) {
+    constexpr std::size_t chunk_pixels = 4096;
     PixelColours seen(samples.pixels.size());
-    std::vector<int> workers(thread_count(threads));
     // The work cannot fail.
-    static_cast<void>(parallel_for(
-        workers, samples.pixels.size() / 4096 + 1,
-        [&](int, std::size_t chunk) -> Status {
-            const std::size_t end = std::min(samples.pixels.size(), (chunk + 1) * 4096);
-            for (std::size_t i = chunk * 4096; i < end; ++i) {
-                std::array<float, 3> sum{0.0f, 0.0f, 0.0f};
+    static_cast<void>(
+        parallel_for(seen.size() / chunk_pixels + 1, threads, [&](std::size_t chunk) -> Status {
+            const std::size_t end = std::min(seen.size(), (chunk + 1) * chunk_pixels);
+            for (std::size_t i = chunk * chunk_pixels; i < end; ++i) {
+                seen[i] = {0.0f, 0.0f, 0.0f};
                 for (const PhotoSample& sample : samples.of(samples.pixels[i]))
-                    for (const TextureField& field : fields) {
-                        const FieldTaps texels = taps(field, sample);
-                        for (unsigned j = 0; j < texels.count; ++j)
-                            for (std::size_t c = 0; c < 3; ++c)
-                                sum[c] += sample.weight * texels.weight[j] *
-                                          field.values[texels.first[j] + c];
-                    }
-                seen[i] = sum;
+                    for (const TextureField& field : fields)
+                        add_seen(field, field.values, sample, seen[i]);
             }
             return {};
-        },
-        [](std::size_t) {}));
+        }));
     return seen;
 }
 
 double seen_weight(const TextureField& field, const PhotoSamples& samples) {
-    std::vector<float> seen(field.places() * field.texels_per_place(), 0.0f);
-    for (const PhotoPixel& pixel : samples.pixels)
-        for (const PhotoSample& sample : samples.of(pixel)) {
-            const FieldTaps texels = taps(field, sample);
-            for (unsigned j = 0; j < texels.count; ++j)
-                seen[texels.first[j] / 3] += pixel.weight * pixel.coverage * sample.weight *
-                                             texels.weight[j] * texels.weight[j];
-        }
     double sum = 0, count = 0;
-    for (const float x : seen)
+    for (const float x : seen_weights(field, samples))
         if (x > 0.0f) {
             sum += static_cast<double>(x);
             ++count;

@@ -123,7 +123,7 @@ public:
         return photo_differences(samples, predict(fields_, samples, options_.run.threads));
     }
 
-    // Ignores outliers, and returns the error of what is left.
+    // Weighs outliers down.
     void weigh(PhotoSamples& samples) const {
         weigh_outliers(samples, predict(fields_, samples, options_.run.threads), outlier_times);
     }
@@ -249,9 +249,7 @@ Result<ModelAtlas> make_fit_atlas(const Model& model, std::span<const PosedPhoto
     if (density == 0.0) {
         TESSERA_TRY_ASSIGN(density, density_of_pixels(model, photographs));
     }
-    double area = 0;
-    for (const ModelTriangle& triangle : model.triangles)
-        area += 0.5 * glm::length(area_vector(model, triangle));
+    const double area = surface_area(model);
     density = std::min(density, std::sqrt(options.most_texels / area));
     const double places = most_direction_texels / (options.directions * options.directions);
     ModelAtlasOptions layout;

@@ -12,13 +12,6 @@ namespace {
 
 constexpr std::uint64_t most_mesh_bytes = std::uint64_t{1} << 33;
 
-double area_of(const Model& model) {
-    double area = 0;
-    for (const ModelTriangle& t : model.triangles)
-        area += 0.5 * glm::length(area_vector(model, t));
-    return area;
-}
-
 // The mesh of the atlas and, for each of its triangles, that of the model.
 struct Laid {
     SurfaceMesh mesh;
@@ -163,9 +156,16 @@ Model put_on(const Model& model, const Laid& laid, const SurfaceMesh& mesh,
 
 } // namespace
 
+double surface_area(const Model& model) {
+    double area = 0;
+    for (const ModelTriangle& triangle : model.triangles)
+        area += 0.5 * glm::length(area_vector(model, triangle));
+    return area;
+}
+
 Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions& options) {
     ModelAtlas atlas;
-    const double area = area_of(model);
+    const double area = surface_area(model);
     atlas.density = options.density != 0.0 ? options.density : std::sqrt(options.texels / area);
     if (!(atlas.density > 0.0) || !(atlas.density < 1e6))
         return Status(ErrorCode::bad_argument, "density must be above 0");

@@ -27,6 +27,9 @@ struct ModelAtlas {
     Model model;
 };
 
+// In square units of the model, each triangle counted once.
+double surface_area(const Model& model);
+
 // `model` comes from with_both_sides(). Errors: bad_argument (density, tile); unsupported (too
 // large for an atlas); those of encode_mesh().
 Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions& options);

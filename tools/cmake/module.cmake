@@ -61,6 +61,23 @@ function(tessera_link_whole target)
     endforeach()
 endfunction()
 
+# Removes the sources of other systems from the list `variable`: NAME_posix${suffix}.cpp or
+# NAME_windows${suffix}.cpp.
+function(tessera_without_other_systems variable suffix)
+    set(files ${${variable}})
+    set(other_systems windows)
+    if(WIN32)
+        set(other_systems posix)
+    endif()
+    list(FILTER files EXCLUDE REGEX "_${other_systems}${suffix}\\.cpp$")
+    foreach(file IN LISTS files)
+        if(file MATCHES "_windows${suffix}\\.cpp$") # <windows.h> defines macros such as `near`
+            set_source_files_properties(${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+        endif()
+    endforeach()
+    set(${variable} ${files} PARENT_SCOPE)
+endfunction()
+
 # Sets `variable` to the sources of folders, and to single .cpp files, of the module whose CMakeLists.txt this is.
 # NAME_posix.cpp and NAME_windows.cpp implement the same header, each for its systems.
 function(tessera_sources variable)
@@ -73,15 +90,6 @@ function(tessera_sources variable)
             list(APPEND all ${files})
         endif()
     endforeach()
-    set(other_systems windows)
-    if(WIN32)
-        set(other_systems posix)
-    endif()
-    list(FILTER all EXCLUDE REGEX "_${other_systems}\\.cpp$")
-    foreach(file IN LISTS all)
-        if(file MATCHES "_windows\\.cpp$") # <windows.h> defines macros such as `near`
-            set_source_files_properties(${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-        endif()
-    endforeach()
+    tessera_without_other_systems(all "")
     set(${variable} ${all} PARENT_SCOPE)
 endfunction()

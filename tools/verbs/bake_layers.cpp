@@ -37,22 +37,17 @@ corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::Sur
 void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedLayers& coded,
             const Warnings& warnings, double seconds) {
     if (a.encode.json) {
-        Json json = {{"output", a.output},
-                     {"bytes", coded.file.size()},
-                     {"quality", coded.quality},
-                     {"seconds", seconds},
-                     {"triangles", baked.decoded_mesh.triangles.size()},
-                     {"charts", baked.charts},
-                     {"mesh_bytes", baked.mesh.size()},
-                     {"texels_per_unit", baked.density},
-                     {"lights", baked.lights.size()},
-                     {"warnings", warnings.json()},
-                     {"layers", Json::array()}};
-        for (const CodedLayer& layer : coded.layers)
-            json["layers"].push_back({{"role", name_of(layer.texture->role)},
-                                      {"size", to_string(layer.texture->desc.size)},
-                                      {"bytes", layer.bytes.size()},
-                                      {"psnr", layer.psnr}});
+        const Json json = {{"output", a.output},
+                           {"bytes", coded.file.size()},
+                           {"quality", coded.quality},
+                           {"seconds", seconds},
+                           {"triangles", baked.decoded_mesh.triangles.size()},
+                           {"charts", baked.charts},
+                           {"mesh_bytes", baked.mesh.size()},
+                           {"texels_per_unit", baked.density},
+                           {"lights", baked.lights.size()},
+                           {"warnings", warnings.json()},
+                           {"layers", layers_json(coded)}};
         print_json(json);
         return;
     }
@@ -63,15 +58,7 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
     std::fprintf(to, "%s: %s in %.1f s, quality %s\n", a.output.c_str(),
                  human_bytes(coded.file.size()).c_str(), seconds,
                  format_number(coded.quality, 1).c_str());
-    std::fprintf(to, "  %-11s %s: %zu triangles, %zu charts\n", "mesh",
-                 human_bytes(baked.mesh.size()).c_str(), baked.decoded_mesh.triangles.size(),
-                 baked.charts);
-    for (const CodedLayer& layer : coded.layers) {
-        const bool first = layer.texture->role == LayerRole::diffuse;
-        const std::size_t own = layer.bytes.size() - (first ? baked.mesh.size() : 0);
-        std::fprintf(to, "  %-11s %s: %s\n", name_of(layer.texture->role), human_bytes(own).c_str(),
-                     to_string(layer.texture->desc.size).c_str());
-    }
+    print_layers(to, baked, coded);
     std::fprintf(to, "  %zu lights, %s texels per unit\n", baked.lights.size(),
                  format_number(baked.density, 3).c_str());
 }

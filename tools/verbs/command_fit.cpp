@@ -166,16 +166,6 @@ Result<std::vector<ComparedPhotograph>> measure(const FitCommand& a, const corpu
     return compared;
 }
 
-Json layers_json(const CodedLayers& coded) {
-    Json layers = Json::array();
-    for (const CodedLayer& layer : coded.layers)
-        layers.push_back({{"role", name_of(layer.texture->role)},
-                          {"size", to_string(layer.texture->desc.size)},
-                          {"bytes", layer.bytes.size()},
-                          {"psnr", layer.psnr}});
-    return layers;
-}
-
 Json figures_json(const std::vector<ComparedPhotograph>& photographs) {
     const PhotographFigures figures = figures_of(photographs);
     Json json = {{"psnr", figures.psnr}, {"psnr_of_pixels", figures.pixel_psnr}};
@@ -241,15 +231,7 @@ void report(const FitCommand& a, const FitResult& r, std::span<const PosedPhotog
                 format_number(r.fit.smoothness, 3).c_str());
     std::printf("  the fit differs from its photographs by %s dB before it is coded\n",
                 format_number(-20 * std::log10(std::max(r.fit.error, 1e-5)), 2).c_str());
-    std::printf("  %-17s %s: %zu triangles, %zu charts\n", "mesh",
-                human_bytes(r.fit.layers.mesh.size()).c_str(),
-                r.fit.layers.decoded_mesh.triangles.size(), r.fit.layers.charts);
-    for (const CodedLayer& layer : r.coded.layers) {
-        const bool first = layer.texture->role == LayerRole::diffuse;
-        const std::size_t own = layer.bytes.size() - (first ? r.fit.layers.mesh.size() : 0);
-        std::printf("  %-17s %s: %s\n", name_of(layer.texture->role), human_bytes(own).c_str(),
-                    to_string(layer.texture->desc.size).c_str());
-    }
+    print_layers(stdout, r.fit.layers, r.coded);
     if (!r.held_out.empty())
         print_photographs("held out", figures_of(r.held_out), r.held_out);
 }

@@ -1,7 +1,10 @@
 #include "tools/verbs/encode_layers.h"
 
+#include "tools/support/parse.h"
+
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 namespace tessera {
 namespace {
@@ -87,6 +90,32 @@ Result<CodedLayers> encode_layers(const corpus::ModelLayers& baked, const Encode
             best = std::move(tried);
     }
     return best;
+}
+
+Json layers_json(const CodedLayers& coded) {
+    Json layers = Json::array();
+    for (const CodedLayer& layer : coded.layers)
+        layers.push_back({{"role", name_of(layer.texture->role)},
+                          {"size", to_string(layer.texture->desc.size)},
+                          {"bytes", layer.bytes.size()},
+                          {"psnr", layer.psnr}});
+    return layers;
+}
+
+void print_layers(std::FILE* to, const corpus::ModelLayers& baked, const CodedLayers& coded) {
+    std::size_t width = 11;
+    for (const CodedLayer& layer : coded.layers)
+        width = std::max(width, std::string_view(name_of(layer.texture->role)).size());
+    const int column = static_cast<int>(width);
+    std::fprintf(to, "  %-*s %s: %zu triangles, %zu charts\n", column, "mesh",
+                 human_bytes(baked.mesh.size()).c_str(), baked.decoded_mesh.triangles.size(),
+                 baked.charts);
+    for (const CodedLayer& layer : coded.layers) {
+        const bool first = layer.texture->role == LayerRole::diffuse;
+        const std::size_t own = layer.bytes.size() - (first ? baked.mesh.size() : 0);
+        std::fprintf(to, "  %-*s %s: %s\n", column, name_of(layer.texture->role),
+                     human_bytes(own).c_str(), to_string(layer.texture->desc.size).c_str());
+    }
 }
 
 } // namespace tessera

@@ -3,7 +3,9 @@
 
 #include "codec/encoder.h"
 #include "corpus/layers/model_layers.h"
+#include "tools/support/json_text.h"
 
+#include <cstdio>
 #include <optional>
 
 namespace tessera {
@@ -26,5 +28,10 @@ struct CodedLayers {
 Result<CodedLayers> encode_layers(const corpus::ModelLayers& baked, const EncodeOptions& options,
                                   std::optional<double> quality,
                                   std::optional<std::uint64_t> most_bytes);
+
+// The layers as a list of {"role", "size", "bytes", "psnr"}. `bytes` of the first one count the mesh.
+Json layers_json(const CodedLayers& coded);
+// A line for the mesh and one for each layer.
+void print_layers(std::FILE* to, const corpus::ModelLayers& baked, const CodedLayers& coded);
 
 } // namespace tessera
