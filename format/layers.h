@@ -137,8 +137,6 @@ struct Reflectance {
     glm::dvec3 specular{0.0}; // at normal incidence
     double roughness = 1;     // 0..1
 
-    // The factor of diffuse light.
-    double diffuse_share() const;
     // The specular light of a light source that is not blocked.
     glm::dvec3 of(const DistantLight& light) const;
     // The factor of the light in the layer `reflection`.

@@ -12,8 +12,7 @@ namespace {
 // Places of a texel at which its material is read.
 constexpr std::array<glm::dvec2, 4> material_places{
     {{-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
-// A display clips light above 1. Seen aslant, diffuse light is dimmer than its layer says.
-constexpr double most_diffuse = 1.4, most_emission = 1.0;
+constexpr double most_light = 1.0;          // of a display
 constexpr unsigned transmission_paths = 16; // at each of the places of a texel
 constexpr std::uint64_t transmission_sequence = 0x74726E73;
 
@@ -137,8 +136,8 @@ Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
                 {(128.0 + 127.0 * m->normal.x) / 255.0, (128.0 + 127.0 * m->normal.y) / 255.0});
         }
     }));
-    store_light(diffuse, leaving, most_diffuse);
-    store_light(emission, emitted, most_emission);
+    store_light(diffuse, leaving, most_light);
+    store_light(emission, emitted, most_light);
     std::vector<LayerTexture> layers;
     layers.push_back(std::move(diffuse));
     if (masked)

@@ -30,30 +30,19 @@ std::array<double, 9> harmonics_at(const glm::dvec3& d) {
 
 // The diffuse lobe for a light at this cosine, per unit of diffuse colour.
 double diffuse_lobe(double cosine) {
-    return cosine > 0.0 ? diffuse_colour({.diffuse = glm::dvec3(1.0)}).x * bend(cosine) * cosine
-                        : 0.0;
+    return diffuse_colour({.diffuse = glm::dvec3(1.0)}).x * std::max(cosine, 0.0);
 }
 
-// The factors by which the lobe multiplies the harmonics of degree 0, 1 and 2.
-std::array<double, 3> lobe_factors() {
-    constexpr int steps = 4096;
-    std::array<double, 3> sums{};
-    for (int i = 0; i < steps; ++i) {
-        const double x = (i + 0.5) / steps;
-        const double weight = 2.0 * std::numbers::pi / steps * diffuse_lobe(x);
-        sums[0] += weight;
-        sums[1] += weight * x;
-        sums[2] += weight * (1.5 * x * x - 0.5);
-    }
-    return sums;
-}
+// The factors by which the lobe multiplies the harmonics of degree 0, 1 and 2 (the paper's A).
+const std::array<double, 3> lobe_factors{diffuse_lobe(1.0) * std::numbers::pi,
+                                         diffuse_lobe(1.0) * std::numbers::pi * 2.0 / 3.0,
+                                         diffuse_lobe(1.0) * std::numbers::pi / 4.0};
 
 glm::dvec3 convolved(const std::array<glm::vec3, 9>& radiance, const glm::dvec3& normal) {
-    static const std::array<double, 3> factors = lobe_factors();
     const std::array<double, 9> basis = harmonics_at(normal);
     glm::dvec3 sum(0.0);
     for (std::size_t i = 0; i < basis.size(); ++i)
-        sum += glm::dvec3(radiance[i]) * (basis[i] * factors[i == 0 ? 0 : i < 4 ? 1 : 2]);
+        sum += glm::dvec3(radiance[i]) * (basis[i] * lobe_factors[i == 0 ? 0 : i < 4 ? 1 : 2]);
     return sum;
 }
 

@@ -84,7 +84,7 @@ glm::dvec3 LitModel::light_with(std::uint32_t u, std::uint32_t v, AngularMap map
                                 double t, const glm::dvec3& diffuse, const Arriving& arriving,
                                 std::uint64_t seed) const {
     glm::dvec3 emitted(0.0), specular(0.0);
-    double bent = 0.0;
+    double below = 0.0;
     const std::uint64_t paths = mix_bits(seed);
     const double own = options_.samples, shared = static_cast<double>(arriving.all.size());
     for (unsigned i = 0; i < options_.samples; ++i) {
@@ -93,13 +93,13 @@ glm::dvec3 LitModel::light_with(std::uint32_t u, std::uint32_t v, AngularMap map
         const glm::dvec3 view = view_from(at.frame, map, s, t);
         emitted += at.point.emission;
         specular += tracer_.specular_own(at.point, view, shared, own, random);
-        bent += diffuse_toward(Tracer::facing(at.point, view), view);
+        below += below_coats(Tracer::facing(at.point, view), view);
     }
     for (const Arriving::At& at : arriving.all) {
         const glm::dvec3 view = view_from(at.place.frame, map, s, t);
         specular += tracer_.specular_of(at.incoming, at.place.point, view, shared, own);
     }
-    return specular + (emitted + diffuse * bent) / own;
+    return specular + (emitted + diffuse * below) / own;
 }
 
 std::shared_ptr<const LitModel::Arriving> LitModel::arriving(std::uint32_t u,

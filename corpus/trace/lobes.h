@@ -1,10 +1,10 @@
 // How a place of a model reflects light: the metallic-roughness material of glTF.
 //
 // The specular lobe is that of glTF's appendix B: GGX, Smith's height-correlated shadowing and
-// Schlick's Fresnel term. The diffuse lobe is that of Ashikhmin and Shirley (2000). It loses about
-// as much to the specular lobe as that of appendix B, but it is the product of a factor of the
-// light's direction and one of the view's direction, so diffuse light is baked once per place. As
-// in appendix B, light that bounces between microfacets is lost.
+// Schlick's Fresnel term. The diffuse lobe is Lambert's times 1 - 0.04, the mean of the Fresnel
+// factor of appendix B: over all directions of light it differs from that by 4 % (root of the mean
+// square). It is the same for all views, so diffuse light is baked once per place. As in appendix
+// B, light that bounces between microfacets is lost.
 #pragma once
 
 #include "corpus/trace/thin_film.h"
@@ -51,13 +51,9 @@ inline double fifth(double x) {
     return y * y * y * y * y;
 }
 
-// The diffuse lobe is diffuse_colour() times bend() of the cosine of the light and times bend() of
-// the cosine of the view.
-inline double bend(double cosine) {
-    return 1.0 - fifth(1.0 - 0.5 * cosine);
-}
+// The diffuse lobe.
 inline glm::dvec3 diffuse_colour(const Lobes& lobes) {
-    return lobes.diffuse * (28.0 / 23.0 * 0.96 / std::numbers::pi);
+    return lobes.diffuse * (0.96 / std::numbers::pi);
 }
 
 inline glm::dvec3 fresnel(const Lobes& lobes, double cosine) {

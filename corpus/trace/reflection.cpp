@@ -21,9 +21,9 @@ double mean_clear_fresnel() {
     constexpr int steps = 4096;
     double sum = 0, weights = 0;
     for (int i = 0; i < steps; ++i) {
-        const double cosine = (i + 0.5) / steps, weight = cosine * bend(cosine);
-        sum += weight * clear_fresnel(cosine);
-        weights += weight;
+        const double cosine = (i + 0.5) / steps;
+        sum += cosine * clear_fresnel(cosine);
+        weights += cosine;
     }
     return sum / weights;
 }
@@ -145,14 +145,10 @@ Thrown DiffuseLobe::operator()(const glm::dvec3& l) const {
     const double nl = glm::dot(p.normal, l);
     if (nl <= 0.0 || glm::dot(p.face, l) <= 0.0)
         return {};
-    Thrown thrown{diffuse_colour(p.lobes) * (bend(nl) * nl), cosine_density(nl)};
+    Thrown thrown{diffuse_colour(p.lobes) * nl, cosine_density(nl)};
     if (p.lobes.has_coats)
         thrown.share *= below_coats(p, l) / mean_below_coats(p.lobes.coats);
     return thrown;
-}
-
-double diffuse_toward(const LitPoint& p, const glm::dvec3& view) {
-    return bend(glm::dot(p.normal, view)) * below_coats(p, view);
 }
 
 Thrown SpecularLobe::operator()(const glm::dvec3& l) const {
@@ -201,7 +197,7 @@ BothLobes::BothLobes(const LitPoint& p, const glm::dvec3& view)
 
 Thrown BothLobes::operator()(const glm::dvec3& l) const {
     const Thrown d = diffuse(l), s = specular(l);
-    return {d.share * diffuse_toward(diffuse.p, specular.view) + s.share,
+    return {d.share * below_coats(diffuse.p, specular.view) + s.share,
             d.density * (1.0 - specular_share) + s.density * specular_share};
 }
 

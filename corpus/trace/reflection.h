@@ -20,14 +20,14 @@ struct Thrown {
     double density = 0;
 };
 
-// The diffuse lobe without its factor of the view. sample_cosine() samples it.
+// The diffuse lobe without its factor of the view, which is below_coats(). sample_cosine() samples
+// it.
 struct DiffuseLobe {
     const LitPoint& p;
     Thrown operator()(const glm::dvec3& l) const;
 };
-// That factor. The view is above the normal.
-double diffuse_toward(const LitPoint& p, const glm::dvec3& view);
-// The share of light that coats leave to what is below them, in this direction.
+// The share of light that coats leave to what is below them, in this direction, which is above the
+// normal.
 double below_coats(const LitPoint& p, const glm::dvec3& direction);
 
 // All lobes but the diffuse one: what a place reflects and does not scatter.

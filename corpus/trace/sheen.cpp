@@ -47,9 +47,9 @@ struct SheenTable {
             constexpr int steps = 256;
             double sum = 0, weights = 0;
             for (int k = 0; k < steps; ++k) {
-                const double cosine = (k + 0.5) / steps, weight = cosine * bend(cosine);
-                sum += at(row, std::sqrt(cosine)) * weight;
-                weights += weight;
+                const double cosine = (k + 0.5) / steps;
+                sum += at(row, std::sqrt(cosine)) * cosine;
+                weights += cosine;
             }
             mean[static_cast<std::size_t>(j)] = sum / weights;
         }

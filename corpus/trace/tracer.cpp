@@ -239,7 +239,7 @@ glm::dvec3 Tracer::from(const LitPoint& point, const glm::dvec3& direction, bool
 
 glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
                            PathRandom& random) const {
-    return point.emission + diffuse(point, random) * diffuse_toward(point, view) +
+    return point.emission + diffuse(point, random) * below_coats(point, view) +
            specular(point, view, random);
 }
 

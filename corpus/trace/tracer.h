@@ -46,7 +46,7 @@ public:
     bool is_shadowed(const LitPoint& point, const glm::dvec3& direction,
                      double reach = std::numeric_limits<double>::infinity()) const;
 
-    // Diffuse light that leaves the point, without the factor bend() of the view's cosine.
+    // Diffuse light that leaves the point, without the factor below_coats() of the view.
     glm::dvec3 diffuse(const LitPoint& point, PathRandom& random) const;
     // Specular and transmitted light that leaves along the unit vector `view`, which is on the
     // normal's side.

@@ -181,7 +181,6 @@ void main() {
 #ifdef TESSERA_LAYER_ROUGHNESS
     reflectance.roughness = tsr_flat_value(TESSERA_LAYER_ROUGHNESS, covered).x;
 #endif
-    light *= tsr_diffuse_share(reflectance);
     reflected = tsr_reflection_share(reflectance);
 #ifdef TESSERA_LIGHTS
     TsrLightSum sum = tsr_light_of_lights(reflectance, covered);

@@ -67,11 +67,6 @@ vec3 tsr_facing_normal(vec3 normal, vec3 view) {
                                      : normal;
 }
 
-// The factor of diffuse light.
-float tsr_diffuse_share(TsrReflectance r) {
-    return 1.0f - tsr_fifth_power(1.0f - 0.5f * clamp(dot(r.normal, r.view), 0.0f, 1.0f));
-}
-
 // The specular light of a light source that is not blocked.
 vec3 tsr_light_of(TsrReflectance r, TsrLight light) {
     float nl = dot(r.normal, light.direction);

@@ -99,10 +99,6 @@ double environment_lobe(double roughness, std::uint32_t lobes) {
                       static_cast<double>(lobes) - 1.0);
 }
 
-double Reflectance::diffuse_share() const {
-    return 1.0 - fifth_power(1.0 - 0.5 * std::clamp(glm::dot(normal, view), 0.0, 1.0));
-}
-
 glm::dvec3 Reflectance::of(const DistantLight& light) const {
     const glm::dvec3 l(light.direction);
     const double nl = glm::dot(normal, l), nv = glm::dot(normal, view);

@@ -118,7 +118,7 @@ TEST(Coats, AreReciprocal) {
             Lobes bare = lobes;
             bare.coats.clear = 0.0;
             const LitPoint without{p.position, p.face, p.normal, p.emission, bare};
-            const glm::dvec3 d = DiffuseLobe{p}(l).share * diffuse_toward(p, view) / l.y;
+            const glm::dvec3 d = DiffuseLobe{p}(l).share * below_coats(p, view) / l.y;
             if (lobes.coats.clear_normal == p.normal || lobes.coats.clear == 0.0)
                 return d + specular(l).share / l.y;
             return d + SpecularLobe{without, view}(l).share / l.y;
@@ -178,8 +178,8 @@ TEST(Coats, ClearCoatTakesItsShareFromDiffuseLight) {
     constexpr int n = 512;
     const LitPoint p = point_with(lobes);
     for (int j = 0; j < n; ++j)
-        below += DiffuseLobe{p}(direction((j + 0.5) / n, 0)).share.x * diffuse_toward(p, view) *
-                 two_pi / n;
+        below +=
+            DiffuseLobe{p}(direction((j + 0.5) / n, 0)).share.x * below_coats(p, view) * two_pi / n;
     const double reflected = 0.04 + 0.96 * std::pow(0.5, 5);
     EXPECT_NEAR(below / bare, 1.0 - reflected, 0.005);
 }

@@ -149,7 +149,7 @@ TEST(LayerAgreement, ShadingIsTheSame) {
         const bool mirrors = i % 2 == 1; // has a layer of the environment
         const glm::dvec3 diffuse(unit(), unit(), unit()), reflected(unit(), 5 * unit(), unit()),
             environment(unit(), 9 * unit(), unit());
-        glm::dvec3 light = diffuse * own.diffuse_share() + own.of_reflection() * reflected;
+        glm::dvec3 light = diffuse + own.of_reflection() * reflected;
         const auto peaks = visibility_peaks(lights);
         LightSum sum;
         for (std::size_t j = 0; j < lights.size(); ++j)

@@ -66,13 +66,12 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
         return light;
     }
     const double c = std::clamp(scalar_product(n, d), 0.0, 1.0);
-    const double f = 1 - std::pow(1 - c / 2, 5);
     const double q = std::max(values.r, 0.03), a = q * q;
     double m = 0;
     for (const Light& l : values.lights)
         m = std::max({m, l.irradiance[0], l.irradiance[1], l.irradiance[2]});
     for (std::size_t i = 0; i < 3; ++i)
-        light[i] += f * values.D[i] + share(c, q, values.G[i]) * values.R[i];
+        light[i] += values.D[i] + share(c, q, values.G[i]) * values.R[i];
     const double w = std::clamp((values.r - 0.15) / 0.15, 0.0, 1.0);
     Vector seen{}, whole{}; // of the lights that the environment stands for
     for (std::size_t j = 0; j < values.lights.size(); ++j) {

@@ -229,7 +229,6 @@ Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camer
         TESSERA_TRY_ASSIGN(const auto roughness, get(LayerRole::roughness));
         reflectance.specular = glm::dvec3(*specular);
         reflectance.roughness = roughness ? roughness->x : 1.0;
-        light *= reflectance.diffuse_share();
         TESSERA_TRY_ASSIGN(const LightSum direct,
                            light_of_lights(readers, reflectance, uv, covered));
         reflected = reflectance.of_reflection();

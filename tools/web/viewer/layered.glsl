@@ -160,7 +160,6 @@ vec3 withLayers(vec3 diffuse, vec2 uv, vec2 footprint, TsrMeshFrame frame, vec3 
             findPlaces(layers[roughness].x, uv, footprint);
             r.roughness = lightOf(layerAt(roughnessLayer, ivec2(1), ivec2(0)).rgb, roughness).r;
         }
-        light *= tsr_diffuse_share(r);
         for (int once = missing(visibility); once < 1; ++once)
             findPlaces(layers[visibility].x, uv, footprint);
         share = tsr_reflection_share(r);
