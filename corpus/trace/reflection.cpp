@@ -188,6 +188,16 @@ double SpecularLobe::strength() const {
     return strength;
 }
 
+double SpecularLobe::width() const {
+    const Coats& coats = p.lobes.coats;
+    if (!p.lobes.has_coats)
+        return p.lobes.alpha;
+    if (largest_part(coats.sheen) > 0.0)
+        return 1.0;
+    return std::max(
+        {p.lobes.alpha, coats.along_alpha, coats.clear > 0.0 ? coats.clear_alpha : 0.0});
+}
+
 BothLobes::BothLobes(const LitPoint& p, const glm::dvec3& view)
     : diffuse{p}, specular{p, view}, specular_share(1.0) {
     const double s = specular.strength(), d = largest_part(p.lobes.diffuse);
@@ -204,6 +214,10 @@ Thrown BothLobes::operator()(const glm::dvec3& l) const {
 glm::dvec3 BothLobes::sample(PathRandom& random) const {
     const bool is_specular = random.next() < specular_share;
     return is_specular ? specular.sample(random) : sample_cosine(diffuse.p.normal, random.next2());
+}
+
+double BothLobes::width() const {
+    return largest_part(diffuse.p.lobes.diffuse) > 0.0 ? DiffuseLobe::width() : specular.width();
 }
 
 Lobes without_coats(const Lobes& lobes) {

@@ -25,6 +25,7 @@ struct Thrown {
 struct DiffuseLobe {
     const LitPoint& p;
     Thrown operator()(const glm::dvec3& l) const;
+    static double width() { return 1.0; } // as the alpha of GGX
 };
 // The share of light that coats leave to what is below them, in this direction, which is above the
 // normal.
@@ -39,6 +40,7 @@ struct SpecularLobe {
     glm::dvec3 sample(PathRandom& random) const;
     // About the share of light that the lobe reflects, 0..1.
     double strength() const;
+    double width() const; // the largest alpha of GGX
 };
 
 // Diffuse and specular lobe. The specular one samples the share `specular_share` of the directions.
@@ -49,6 +51,7 @@ struct BothLobes {
     BothLobes(const LitPoint& p, const glm::dvec3& view);
     Thrown operator()(const glm::dvec3& l) const;
     glm::dvec3 sample(PathRandom& random) const;
+    double width() const; // of the widest lobe, as the alpha of GGX
 };
 
 // The nearest lobes without coats, for layers, which have one specular lobe per place. Sheen joins

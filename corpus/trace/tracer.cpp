@@ -8,7 +8,7 @@ namespace {
 
 constexpr int most_bounces = 8;       // after the first
 constexpr int sure_bounces = 2;       // later ones are subject to Russian roulette
-constexpr double least_alpha = 0.09;  // of indirectly seen places
+constexpr double wide_alpha = 0.09;   // behind wider lobes, mirrors need not be sharper
 constexpr std::size_t most_lamps = 8; // of which each path asks for the light
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -20,8 +20,10 @@ glm::dvec3 start_of(const LitPoint& p) {
     return p.position + Tracer::off * p.face;
 }
 
-// Makes the mirrors of an indirectly seen place rougher.
-void blur(Lobes& lobes) {
+// Makes the mirrors of a place rougher that a path meets after lobes whose widest GGX has this alpha
+// (Jendersie and Grosch, "Microfacet model regularization for robust light transport", 2019).
+void blur(Lobes& lobes, double widest) {
+    const double least_alpha = std::min(widest, wide_alpha);
     lobes.alpha = std::max(lobes.alpha, least_alpha);
     if (!lobes.has_coats)
         return;
@@ -130,7 +132,8 @@ glm::dvec3 Tracer::reflected(const LitPoint& point, const Lobe& lobe, const glm:
         return glm::dvec3(0.0);
     const glm::dvec3 start = start_of(point);
     return thrown.share / thrown.density *
-           arriving(start, sampled, model_->first_hit(start, sampled), thrown.density, random);
+           arriving(start, sampled, model_->first_hit(start, sampled), thrown.density, lobe.width(),
+                    random);
 }
 
 glm::dvec3 Tracer::diffuse(const LitPoint& point, PathRandom& random) const {
@@ -184,7 +187,7 @@ Tracer::Incoming Tracer::incoming(const LitPoint& point, PathRandom& random) con
     const Hit hit = model_->first_hit(start, found.direction);
     if (emitter && !(hit && hit->triangle == *emitter))
         return found;
-    found.light = arriving(start, found.direction, hit, infinite, random);
+    found.light = arriving(start, found.direction, hit, infinite, 1.0, random);
     found.density = shared_density(point, found.direction, hit);
     return found;
 }
@@ -215,7 +218,7 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
     const glm::dvec3 l = lobe.sample(random);
     if (const Thrown thrown = lobe(l); thrown.density > 0.0) {
         const Hit hit = model_->first_hit(start, l);
-        sum += thrown.share * arriving(start, l, hit, infinite, random) /
+        sum += thrown.share * arriving(start, l, hit, infinite, lobe.width(), random) /
                (shared * shared_density(point, l, hit) + own * thrown.density);
     }
     return sum;
@@ -234,7 +237,7 @@ glm::dvec3 Tracer::from(const LitPoint& point, const glm::dvec3& direction, bool
     const Hit hit = model_->first_hit(start, direction);
     if (!hit && !distant)
         return glm::dvec3(0.0);
-    return arriving(start, direction, hit, infinite, random);
+    return arriving(start, direction, hit, infinite, 1.0, random);
 }
 
 glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
@@ -244,7 +247,7 @@ glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
 }
 
 glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, double density,
-                            PathRandom& random) const {
+                            double widest, PathRandom& random) const {
     glm::dvec3 sum(0.0), share(1.0);
     // Divides light by it: the weight of the balance heuristic. direct() adds the rest.
     const auto divisor = [&](double light_density) {
@@ -257,7 +260,7 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
         }
         const glm::dvec3 view = -direction;
         LitPoint p = facing(model_->point(*hit), view);
-        blur(p.lobes);
+        blur(p.lobes, widest);
         if (largest_channel(p.emission) > 0.0)
             sum += share * p.emission / divisor(emitter_density(origin, direction, hit));
         const BothLobes lobes(p, view);
@@ -270,7 +273,11 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
                 return sum;
             share *= passed.share / passes;
             start = passed.origin;
-            if (!passed.is_straight) { // otherwise direct() saw the same light through the wall
+            if (!passed.is_straight) {
+                widest = std::max(
+                    widest,
+                    p.lobes.coats
+                        .through_alpha); // otherwise direct() saw the same light through the wall
                 origin = start;
                 density = infinite;
             }
@@ -284,6 +291,7 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
             origin = start;
             direction = l;
             density = thrown.density;
+            widest = std::max(widest, lobes.width());
         }
         if (bounce >= sure_bounces) {
             const double chance = std::min(0.95, largest_channel(share));

@@ -30,8 +30,8 @@ struct LampLight {
 LampLight lamp_light(const ModelLamp& lamp, const glm::dvec3& place);
 
 // A model in its light. Each function returns the estimate of one path. Estimates are unbiased with
-// two exceptions. Mirrors that are seen indirectly have a roughness of at least 0.3, because
-// otherwise a few paths would be very bright. And light passes volumes, which bend it, only along
+// two exceptions. Mirrors that are seen indirectly are as rough as the roughest surface before
+// them on the path, up to a roughness of 0.3, because otherwise a few paths would be very bright. And light passes volumes, which bend it, only along
 // paths that start at the observer: a lamp casts a shadow of a glass ball without a bright spot.
 // Clear walls without a volume cast tinted shadows. Immutable and thread-safe.
 class Tracer {
@@ -89,9 +89,9 @@ private:
                            const Hit& hit) const;
     // Light along a ray that meets `hit`. Its direction was sampled with this density. Without the
     // share of the environment and of emission at `hit` that direct() counts. An infinite density
-    // means that direct() was not called.
+    // means that direct() was not called. `widest`: the alpha of the widest lobe that the path has met.
     glm::dvec3 arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, double density,
-                        PathRandom& random) const;
+                        double widest, PathRandom& random) const;
     // The same, plus direct().
     template <class Lobe>
     glm::dvec3 reflected(const LitPoint& point, const Lobe& lobe, const glm::dvec3& sampled,

@@ -166,7 +166,8 @@ glm::dvec3 Tracer::transmitted(const LitPoint& point, const glm::dvec3& view,
         return glm::dvec3(0.0);
     return ray.share * arriving(ray.origin, ray.direction,
                                 model_->first_hit(ray.origin, ray.direction),
-                                std::numeric_limits<double>::infinity(), random);
+                                std::numeric_limits<double>::infinity(),
+                                ray.is_straight ? 0.0 : point.lobes.coats.through_alpha, random);
 }
 
 } // namespace tessera::corpus

@@ -1,11 +1,12 @@
 """Renders a model with Blender Cycles as `tessera render --truth` does, and compares both pictures:
     blender -b -P cycles_truth.py -- MODEL ENV.exr EYE LOOK FOV WxH SPP OUT.exr
-        [TRUTH.exr EXPOSURE [MATERIAL,...]]
+        [TRUTH.exr EXPOSURE [MATERIAL,... [gltf]]]
 EYE and LOOK are X,Y,Z in the units of `tessera bake`; FOV is vertical, in degrees. MODEL is .gltf,
 .glb or .obj without materials, which becomes grey metal of roughness 0.1. TRUTH.exr is the
 name-truth.exr of `tessera render --rays 1 --write-all`, N times as wide and high as WxH. Its values
 are those of sRGB. EXPOSURE is that of `tessera bake`; it has to be so low that no light is clamped.
-Pixels that show one of the MATERIALs are not compared."""
+Pixels that show one of the MATERIALs are not compared. With `gltf` the diffuse lobe is that of
+glTF's appendix B instead of Blender's."""
 import bpy, math, sys
 from mathutils import Vector
 import numpy as np
@@ -51,6 +52,58 @@ for material in bpy.data.materials:
         tree.links.new(surface.links[0].from_socket, mix.inputs[1])
         tree.links.new(tree.nodes.new('ShaderNodeHoldout').outputs[0], mix.inputs[2])
         tree.links.new(mix.outputs[0], surface)
+
+def with_lobes_of_gltf(tree, shader):
+    """Replaces a Principled BSDF by the same mirror and by the diffuse lobe of glTF: Principled
+    brightens rough surfaces at grazing views and takes nothing from diffuse light for the mirror."""
+    nodes, links = tree.nodes, tree.links
+    def connect(source, target):
+        """Lets the input `target` have the value of the input `source`."""
+        if source.is_linked:
+            links.new(source.links[0].from_socket, target)
+        else:
+            target.default_value = source.default_value
+    def joined(kind, first, second, factor=None):
+        node = nodes.new(kind)
+        for socket, part in zip(node.inputs[-2:], (first, second)):
+            links.new(part.outputs[0], socket)
+        if factor:
+            connect(factor, node.inputs[0])
+        return node
+    mirror, diffuse, dark = (nodes.new('ShaderNodeBsdf' + kind)
+                             for kind in ('Principled', 'Diffuse', 'Principled'))
+    emission, gone = nodes.new('ShaderNodeEmission'), nodes.new('ShaderNodeBsdfTransparent')
+    scale = nodes.new('ShaderNodeVectorMath')
+    scale.operation, scale.inputs[3].default_value = 'SCALE', .96
+    old = shader.inputs
+    for node in (mirror, dark):
+        for name in ('Roughness', 'Normal', 'Specular'):
+            if name != 'Normal' or old[name].is_linked:
+                connect(old[name], node.inputs[name])
+    if old['Normal'].is_linked:
+        connect(old['Normal'], diffuse.inputs['Normal'])
+    connect(old['Base Color'], mirror.inputs['Base Color'])
+    mirror.inputs['Metallic'].default_value = 1
+    dark.inputs['Base Color'].default_value = (0, 0, 0, 1)  # leaves the mirror
+    if old['Base Color'].is_linked:
+        links.new(old['Base Color'].links[0].from_socket, scale.inputs[0])
+    else:
+        scale.inputs[0].default_value = old['Base Color'].default_value[:3]
+    links.new(scale.outputs[0], diffuse.inputs['Color'])
+    connect(old['Emission'], emission.inputs['Color'])
+    connect(old['Emission Strength'], emission.inputs['Strength'])
+    whole = joined('ShaderNodeMixShader', joined('ShaderNodeAddShader', dark, diffuse), mirror,
+                   old['Metallic'])
+    whole = joined('ShaderNodeAddShader', whole, emission)
+    whole = joined('ShaderNodeMixShader', gone, whole, old['Alpha'])
+    for link in list(shader.outputs[0].links):
+        links.new(whole.outputs[0], link.to_socket)
+
+if len(rival) > 3 and rival[3] == 'gltf':
+    for material in bpy.data.materials:
+        if material.use_nodes:
+            for node in [n for n in material.node_tree.nodes if n.type == 'BSDF_PRINCIPLED']:
+                with_lobes_of_gltf(material.node_tree, node)
 scene = bpy.context.scene
 bpy.context.view_layer.update()
 
@@ -110,9 +163,11 @@ if rival:
     seen = hit & (theirs[..., 3] > .9999)
     ours, theirs = truth[seen], theirs[seen][:, :3]
     bright = 0.6 / np.mean(ours)
+    shown = lambda light: np.clip(light * bright, 0, 1)
     error = np.mean((srgb(ours * bright) - srgb(theirs * bright)) ** 2)
     ratios = ours.mean(1) / np.maximum(theirs.mean(1), 1e-9)
     low, median, high = np.quantile(ratios, (.25, .5, .75))
     print(f'pixels {seen.sum()}; mean light: Tessera {ours.mean():.4f}, Cycles '
-          f'{theirs.mean():.4f}, ratio {ours.mean() / theirs.mean():.3f}; per pixel: median ratio '
+          f'{theirs.mean():.4f}, ratio {ours.mean() / theirs.mean():.3f}, up to white '
+          f'{shown(ours).mean() / shown(theirs).mean():.3f}; per pixel: median ratio '
           f'{median:.3f}, quartiles {low:.3f} {high:.3f}; PSNR {-10 * math.log10(error):.1f} dB')

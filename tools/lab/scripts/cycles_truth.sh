@@ -3,7 +3,7 @@
 # beside Blender Cycles" of tests/regression/models.md.
 #   tools/lab/scripts/cycles_truth.sh TESSERA SHARED OUT [PATHS]
 # SHARED holds the folder assets of models and environments. Each pixel gets PATHS paths, a multiple
-# of 16, 128 by default. Needs Blender 3.4; takes about two minutes on two shared cores.
+# of 16, 128 by default. Needs Blender 3.4; takes two to four minutes on two shared cores.
 set -eu
 tool=$1 assets=$2/assets out=$3 paths=${4:-128}
 models=$assets/models environment=$assets/studio.exr
@@ -21,11 +21,13 @@ compare() {
     # One ray at each of 4x4 places per pixel: the script joins them in linear light.
     "$tool" render "$out/$name.tess" -o "$out/$name.exr" --eye "$eye" --pixels 800x600 --rays 1 \
         --truth "$model" --truth-spp $((paths / 16)) --write-all -q
-    blender -b --python-exit-code 1 -P "$script" -- "$model" "$environment" "$eye" 0,0,0 45 200x150 \
-        "$paths" "$out/$name-cycles.exr" "$out/$name-truth.exr" $exposure "$omitted" \
-        > "$out/$name.log"
-    printf '%s: ' "$name"
-    grep 'mean light' "$out/$name.log"
+    for lobes in blender gltf; do
+        blender -b --python-exit-code 1 -P "$script" -- "$model" "$environment" "$eye" 0,0,0 45 \
+            200x150 "$paths" "$out/$name-$lobes.exr" "$out/$name-truth.exr" $exposure "$omitted" \
+            $lobes > "$out/$name-$lobes.log"
+        printf '%s, diffuse lobe of %s: ' "$name" $lobes
+        grep 'mean light' "$out/$name-$lobes.log"
+    done
 }
 
 compare cornell "$models/CornellBox.glb" 0,0,9 ''
