@@ -68,12 +68,10 @@ TEST_F(Render, DrawsATextureThatNoFileHolds) {
                     .ok());
 }
 
-TEST_F(Render, WritesExr) {
-    const std::string file = encode("lamps", "l.tess");
-    ASSERT_TRUE(run({file, "-o", at("l.exr"), "--pixels", "32x20", "--truth", "lamps"}).ok());
-    ASSERT_TRUE(run({file, "-o", at("l.png"), "--pixels", "32x20"}).ok());
+// RGB of a picture of 32x20 pixels.
+std::vector<float> exr_pixels(const std::string& path) {
     std::vector<float> rgb(32 * 20 * 3);
-    Imf::InputFile in(at("l.exr").c_str());
+    Imf::InputFile in(path.c_str());
     Imf::FrameBuffer frame;
     const char* const names[] = {"R", "G", "B"};
     for (std::size_t c = 0; c < 3; ++c)
@@ -81,11 +79,32 @@ TEST_F(Render, WritesExr) {
                      Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(rgb.data() + c), 12, 12 * 32));
     in.setFrameBuffer(frame);
     in.readPixels(0, 19);
+    return rgb;
+}
+
+TEST_F(Render, WritesExr) {
+    const std::string file = encode("lamps", "l.tess");
+    ASSERT_TRUE(run({file, "-o", at("l.exr"), "--pixels", "32x20", "--truth", "lamps"}).ok());
+    ASSERT_TRUE(run({file, "-o", at("l.png"), "--pixels", "32x20"}).ok());
+    std::vector<float> rgb = exr_pixels(at("l.exr"));
     const Picture shown = to_picture({32, 20, rgb}, SampleType::half16);
     const auto png = read_png(at("l.png"));
     ASSERT_TRUE(png.ok()) << png.status().message();
     EXPECT_EQ(shown.rgb, png->rgb);
     EXPECT_GT(*std::max_element(rgb.begin(), rgb.end()), 1.0f) << "scene-linear";
+}
+
+// A file of display values, too.
+TEST_F(Render, ExrHoldsLinearLight) {
+    const std::string file = encode("composed", "c.tess");
+    ASSERT_TRUE(run({file, "-o", at("c.exr"), "--pixels", "32x20"}).ok());
+    ASSERT_TRUE(run({file, "-o", at("c.png"), "--pixels", "32x20"}).ok());
+    std::vector<float> rgb = exr_pixels(at("c.exr"));
+    for (float& x : rgb)
+        x = static_cast<float>(corpus::linear_to_srgb(static_cast<double>(x)));
+    const auto png = read_png(at("c.png"));
+    ASSERT_TRUE(png.ok()) << png.status().message();
+    EXPECT_EQ(to_picture({32, 20, rgb}, SampleType::unorm8).rgb, png->rgb);
 }
 
 TEST_F(Render, RefusesWithReasons) {

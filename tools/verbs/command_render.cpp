@@ -386,7 +386,8 @@ void declare(CLI::App& c, RenderCommand& a) {
     c.add_option("file", r.file,
                  "A .tess with a texture on a sphere or a mesh, or planar views; or its URL");
     c.add_option("-o,--output", a.views.output,
-                 "The .png (8-bit; HDR as sRGB of x / (1 + x)) or .exr to write; with --cameras, "
+                 "The .png (8-bit; HDR as sRGB of x / (1 + x)) or .exr (linear) to write; with "
+                 "--cameras, "
                  "also a folder")
         ->required();
     c.add_option("--scene", r.scene,

@@ -1,6 +1,7 @@
 #include "tools/view/view_file.h"
 
 #include "corpus/exr_stream.h"
+#include "corpus/model_surface/display.h"
 #include "format/output_file.h"
 #include "tools/support/output_folders.h"
 #include "tools/texture_io/texture_io.h"
@@ -19,7 +20,16 @@ std::string ending_of(const std::string& path) {
     return to_path(path).extension().string();
 }
 
-Status write_exr(const std::string& path, const View& view) {
+// EXR files hold light.
+std::vector<float> light_of(const View& view, SampleType type) {
+    std::vector<float> light = view.rgb;
+    if (!traits_of(type).is_float)
+        for (float& x : light)
+            x = static_cast<float>(corpus::srgb_to_linear(static_cast<double>(x)));
+    return light;
+}
+
+Status write_exr(const std::string& path, const View& view, SampleType type) {
     TESSERA_TRY(make_parent_folders(path));
     TESSERA_TRY_ASSIGN(auto file, OutputFile::create(path));
     ExrOutput stream(file);
@@ -28,13 +38,13 @@ Status write_exr(const std::string& path, const View& view) {
         Imf::Header header(width, height);
         header.compression() = Imf::ZIP_COMPRESSION;
         Imf::FrameBuffer frame;
+        const std::vector<float> light = light_of(view, type);
         const std::size_t texel = 3 * sizeof(float);
         const char* const names[] = {"R", "G", "B"};
         for (std::size_t c = 0; c < 3; ++c) {
             header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
-            frame.insert(names[c],
-                         Imf::Slice::Make(Imf::FLOAT, view.rgb.data() + c, Imath::V2i(0, 0), width,
-                                          height, texel, texel * view.width));
+            frame.insert(names[c], Imf::Slice::Make(Imf::FLOAT, light.data() + c, Imath::V2i(0, 0),
+                                                    width, height, texel, texel * view.width));
         }
         Imf::OutputFile picture(stream, header);
         picture.setFrameBuffer(frame);
@@ -68,7 +78,7 @@ Status check_view_path(const std::string& path) {
 
 Status write_view(const std::string& path, const View& view, SampleType type) {
     TESSERA_TRY(check_view_path(path));
-    return ending_of(path) == ".exr" ? write_exr(path, view)
+    return ending_of(path) == ".exr" ? write_exr(path, view, type)
                                      : write_png(path, to_picture(view, type));
 }
 

@@ -13,7 +13,7 @@ namespace tessera {
 // and rounded, half16 is tone-mapped (picture.h).
 Picture to_picture(const View& view, SampleType type);
 
-// Writes a .png file with the result of to_picture(), or an .exr file with the RGB values as 32-bit
+// Writes a .png file with the result of to_picture(), or an .exr file with linear RGB as 32-bit
 // floats. The file appears under its name only when it is complete. Errors: bad_argument (another
 // extension), io, runtime.
 Status write_view(const std::string& path, const View& view, SampleType type);

@@ -3,8 +3,8 @@
         [TRUTH.exr EXPOSURE [MATERIAL,... [gltf]]]
 EYE and LOOK are X,Y,Z in the units of `tessera bake`; FOV is vertical, in degrees. MODEL is .gltf,
 .glb or .obj without materials, which becomes grey metal of roughness 0.1. TRUTH.exr is the
-name-truth.exr of `tessera render --rays 1 --write-all`, N times as wide and high as WxH. Its values
-are those of sRGB. EXPOSURE is that of `tessera bake`; it has to be so low that no light is clamped.
+name-truth.exr of `tessera render --rays 1 --write-all`, N times as wide and high as WxH. EXPOSURE
+is that of `tessera bake`; it has to be so low that no light is clamped.
 Pixels that show one of the MATERIALs are not compared. With `gltf` the diffuse lobe is that of
 glTF's appendix B instead of Blender's."""
 import bpy, math, sys
@@ -152,14 +152,11 @@ def srgb(light):
     x = np.clip(light, 0, 1)
     return np.where(x < .0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - .055)
 
-def linear(value):
-    return np.where(value < .04045, value / 12.92, ((value + .055) / 1.055) ** 2.4)
-
 if rival:
     theirs, truth = pixels(out), pixels(rival[0])[..., :3]
     blocks = (height, truth.shape[0] // height, width, truth.shape[1] // width)
     hit = (truth < 1).any(-1).reshape(blocks).all((1, 3))  # The background may be white.
-    truth = linear(truth).reshape(*blocks, 3).mean((1, 3)) / float(rival[1])
+    truth = truth.reshape(*blocks, 3).mean((1, 3)) / float(rival[1])
     seen = hit & (theirs[..., 3] > .9999)
     ours, theirs = truth[seen], theirs[seen][:, :3]
     bright = 0.6 / np.mean(ours)
