@@ -1,6 +1,7 @@
 #include "corpus/layers/light_layers.h"
 
 #include "corpus/trace/path_random.h"
+#include "corpus/trace/reflection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,12 +12,12 @@ namespace {
 constexpr std::uint64_t reflection_paths = 0x72666C63;
 constexpr double most_reflection = 64.0; // times white
 
-// The mean light from the mirrored direction (s, t) at the texels, as rough as they are.
+// The mean light from the mirrored direction (s, t) at the texels, weighted by their specular lobe:
+// what they mirror, divided by what they would mirror of white light.
 glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& places,
                          const Tracer& tracer, const ReflectionOptions& options, double s,
                          double t) {
-    glm::dvec3 sum(0.0);
-    double weights = 0;
+    glm::dvec3 sum(0.0), weights(0.0);
     for (unsigned i = 0; i < options.samples; ++i) {
         PathRandom random(mix_bits(options.seed + reflection_paths), i);
         const double which = random.next();
@@ -28,18 +29,17 @@ glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& 
         const glm::dvec3 n = at.frame.ez;
         glm::dvec3 view = octahedral_direction(AngularMap::octahedral_mirrored, at.frame, s, t);
         view -= 2.0 * std::min(glm::dot(view, n), 0.0) * n;
-        const double nv = std::max(glm::dot(view, n), 0.02);
-        const double a = without_coats(at.point.lobes).alpha;
-        const glm::dvec3 l = sample_ggx(a, n, view, random.next2());
-        const double nl = glm::dot(n, l);
-        if (nl <= 0.0 || glm::dot(at.point.face, l) <= 0.0)
-            continue;
-        // The rest of the lobe after its density of sample_ggx(): G2 / G1.
-        const double weight = 2.0 * nl * (nv + smith_root(a, nv)) * smith_visibility(a, nl, nv);
-        sum += weight * tracer.from(at.point, l, options.distant, random);
-        weights += weight;
+        constexpr double least = 0.02;
+        view = glm::normalize(view + std::max(least - glm::dot(view, n), 0.0) * n);
+        const Lobes lobes = without_coats(at.point.lobes);
+        at.point.lobes = {.facing = lobes.facing, .alpha = lobes.alpha, .grazing = lobes.grazing};
+        const SpecularLobe lobe{at.point, view};
+        if (const Thrown white = lobe(lobe.sample(random)); white.density > 0.0)
+            weights += white.share / white.density;
+        sum += options.distant ? tracer.specular(at.point, view, random)
+                               : tracer.specular_of_model(at.point, view, random);
     }
-    return weights > 0.0 ? sum * (options.exposure / weights) : glm::dvec3(0.0);
+    return sum * options.exposure / glm::max(weights, 1e-6);
 }
 
 } // namespace

@@ -98,6 +98,21 @@ LitPoint Tracer::facing(LitPoint point, const glm::dvec3& view) {
     return point;
 }
 
+template <class Lobe>
+glm::dvec3 Tracer::from_emitters(const LitPoint& point, const Lobe& lobe,
+                                 PathRandom& random) const {
+    if (emitters_.empty())
+        return glm::dvec3(0.0);
+    const glm::dvec3 start = start_of(point);
+    const EmitterSample near = emitters_.sample(start, random.next2());
+    const Thrown thrown = lobe(near.direction);
+    const glm::dvec3 light = thrown.share * near.light;
+    if (largest_channel(light) <= 0.0)
+        return glm::dvec3(0.0);
+    return light / (near.density + thrown.density) *
+           passing_share(start, near.direction, std::max(near.distance - off, 0.0));
+}
+
 // Light from the sun and lamps, from a sampled direction of the environment and from a sampled place of an
 // emitting triangle. The directions of the lobe meet the latter two, too, in arriving(); the balance
 // heuristic weights both.
@@ -106,19 +121,14 @@ glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& r
     const glm::dvec3 start = start_of(point);
     glm::dvec3 sum(0.0);
     const auto add = [&](const glm::dvec3& light, const glm::dvec3& direction,
-                         const glm::dvec3& share, double reach = infinite) {
+                         const glm::dvec3& share) {
         if (largest_channel(share * light) > 0.0)
-            sum += share * light * passing_share(start, direction, reach);
+            sum += share * light * passing_share(start, direction, infinite);
     };
     const LightSample far = light_.environment->sample(random.next2());
     const Thrown thrown = lobe(far.direction);
     add(far.light, far.direction, thrown.share / (far.density + thrown.density));
-    if (!emitters_.empty()) {
-        const EmitterSample near = emitters_.sample(start, random.next2());
-        const Thrown there = lobe(near.direction);
-        add(near.light, near.direction, there.share / (near.density + there.density),
-            std::max(near.distance - off, 0.0));
-    }
+    sum += from_emitters(point, lobe, random);
     if (light_.sun)
         add(light_.sun->irradiance, light_.sun->direction, lobe(light_.sun->direction).share);
     return sum + lamps(start, lobe, random);
@@ -150,6 +160,16 @@ glm::dvec3 Tracer::specular(const LitPoint& point, const glm::dvec3& view,
     const glm::dvec3 lit = direct(point, lobe, random);
     const glm::dvec3 l = lobe.sample(random);
     return lit + reflected(point, lobe, l, random) + transmitted(point, view, random);
+}
+
+glm::dvec3 Tracer::specular_of_model(const LitPoint& point, const glm::dvec3& view,
+                                     PathRandom& random) const {
+    const SpecularLobe lobe{point, view};
+    const glm::dvec3 lit = from_emitters(point, lobe, random);
+    const glm::dvec3 l = lobe.sample(random);
+    if (!model_->first_hit(start_of(point), l))
+        return lit;
+    return lit + reflected(point, lobe, l, random);
 }
 
 double Tracer::emitter_density(const glm::dvec3& origin, const glm::dvec3& direction,

@@ -64,6 +64,10 @@ public:
                            double shared, double own) const;
     glm::dvec3 specular_own(const LitPoint& point, const glm::dvec3& view, double shared,
                             double own, PathRandom& random) const;
+    // The specular light of the model alone: without that of the environment, the sun and lamps that
+    // reaches the point directly.
+    glm::dvec3 specular_of_model(const LitPoint& point, const glm::dvec3& view,
+                                 PathRandom& random) const;
     // The light that reaches the point from this direction, which is a unit vector above the face:
     // from the model and, if `distant`, from the environment.
     glm::dvec3 from(const LitPoint& point, const glm::dvec3& direction, bool distant,
@@ -98,6 +102,9 @@ private:
                          PathRandom& random) const;
     template <class Lobe>
     glm::dvec3 direct(const LitPoint& point, const Lobe& lobe, PathRandom& random) const;
+    // The part of direct() that comes from emitting triangles.
+    template <class Lobe>
+    glm::dvec3 from_emitters(const LitPoint& point, const Lobe& lobe, PathRandom& random) const;
 
     // Where a ray that came against `view` and passed the surface goes on.
     struct PassedRay {
