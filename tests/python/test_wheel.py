@@ -3,12 +3,14 @@ import base64
 import ctypes
 import hashlib
 import importlib.metadata
+import importlib.util
 import os
 import pathlib
 import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 
 import pytest
@@ -60,6 +62,45 @@ def test_metadata():
     assert "numpy>=1.20" in found.requires
     entry, = (e for e in found.entry_points if e.group == "numcodecs.codecs")
     assert entry.value == "tessera.numcodecs:Tessera"
+
+
+@needs_wheel
+@pytest.mark.skipif(importlib.util.find_spec("pip") is None, reason="needs pip")
+def test_pip_installs_the_wheel(tmp_path):
+    wheel, = SITE.parent.glob("tessera-*.whl")
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--no-index",
+           "--no-deps", "--no-compile", "--quiet", "--target", tmp_path, wheel]
+    subprocess.run(pip, check=True)
+    code = ("import numpy, tessera; a = numpy.arange(768, dtype='u1').reshape(8, 8, 2, 2, 3);"
+            "t = tessera.open(tessera.encode_bytes(a, lossless=True, effort=0));"
+            "print(tessera.__file__, (t[...] == a).all())")
+    said = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True,
+                          env={**os.environ, "PYTHONPATH": str(tmp_path)}, cwd=tmp_path).stdout
+    assert said.split() == [str(tmp_path / "tessera" / "__init__.py"), "True"]
+
+
+# scikit-build-core, which `pip wheel .` runs, configures CMake with these definitions, builds these
+# targets and installs these components beside the packages.
+@needs_wheel
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="needs cmake")
+def test_pyproject_names_what_cmake_has(tmp_path):
+    build = SITE.parents[1]
+    tool = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["scikit-build"]
+    cache = (build / "CMakeCache.txt").read_text()
+    for name in tool["cmake"]["define"]:
+        assert re.search(rf"^{name}:(BOOL|STRING)=", cache, re.M) or name.startswith("CMAKE_"), name
+    for target in tool["build"]["targets"]:
+        subprocess.run(["cmake", "--build", build, "--target", target, "--", "-n"], check=True,
+                       capture_output=True)
+    for component in tool["install"]["components"]:
+        subprocess.run(["cmake", "--install", build, "--component", component, "--prefix", tmp_path],
+                       check=True, capture_output=True)
+    for package in tool["wheel"]["packages"]:
+        shutil.copytree(ROOT / package, tmp_path / pathlib.Path(package).name, dirs_exist_ok=True,
+                        ignore=shutil.ignore_patterns("__pycache__"))
+    installed = {path.name for path in (tmp_path / "tessera").iterdir()}
+    assert {path.name for path in tmp_path.iterdir()} == {"tessera"}
+    assert installed == {path.name for path in (SITE / "tessera").iterdir()} - {"__pycache__"}
 
 
 def symbols(*options):
