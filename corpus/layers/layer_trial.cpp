@@ -85,6 +85,7 @@ Result<LayerTrial> try_layers(Model model, const ModelLight& light, const Displa
             all += tracer.leaving(point, view, path) / double{trial_paths};
             lost += sharp_reflection(tracer, point, view, path) / double{trial_paths};
         }
+        lost *= point.opacity;
         trial.paths += 2 * trial_paths;
         const glm::dvec3 difference =
             display.value(all) - display.value(glm::max(all - lost, glm::dvec3(0.0)));

@@ -33,6 +33,7 @@ glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& 
         view = glm::normalize(view + std::max(least - glm::dot(view, n), 0.0) * n);
         const Lobes lobes = without_coats(at.point.lobes);
         at.point.lobes = {.facing = lobes.facing, .alpha = lobes.alpha, .grazing = lobes.grazing};
+        at.point.opacity = 1.0;
         const SpecularLobe lobe{at.point, view};
         if (const Thrown white = lobe(lobe.sample(random)); white.density > 0.0)
             weights += white.share / white.density;

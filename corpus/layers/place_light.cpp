@@ -46,6 +46,10 @@ glm::dvec3 convolved(const std::array<glm::vec3, 9>& radiance, const glm::dvec3&
     return sum;
 }
 
+double mean_of(const glm::dvec3& x) {
+    return (x.x + x.y + x.z) / 3.0;
+}
+
 // A direction of the light's patch, from a normal distribution.
 glm::dvec3 direction_within(const DistantLight& light, const glm::dvec2& random) {
     const glm::dvec3 d(light.direction);
@@ -103,13 +107,13 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer,
         const Tracer::Incoming incoming = tracer.incoming(place.point, random);
         if (incoming.density > 0.0)
             add(incoming.direction, incoming.light * (share / incoming.density));
-        if (const auto& sun = tracer.light().sun;
-            sun && !tracer.is_shadowed(place.point, sun->direction))
-            add(sun->direction, sun->irradiance * share);
+        if (const auto& sun = tracer.light().sun)
+            add(sun->direction,
+                sun->irradiance * share * tracer.unblocked(place.point, sun->direction));
         for (const ModelLamp& lamp : tracer.light().lamps) {
             const LampLight l = lamp_light(lamp, place.point.position);
-            if (!tracer.is_shadowed(place.point, l.direction, l.distance))
-                add(l.direction, l.irradiance * share);
+            add(l.direction,
+                l.irradiance * share * tracer.unblocked(place.point, l.direction, l.distance));
         }
     }
     diffuse_[at] = glm::vec3(lit);
@@ -118,21 +122,20 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer,
     smooth_[at] = convolved(harmonics_[at], glm::dvec3(glm::vec3(middle)));
 
     const std::uint64_t shadows = mix_bits(options.seed + shadow_paths);
+    std::vector<double> seen(lights.size(), 0.0);
     for (unsigned i = 0; i < options.shadow_samples; ++i) {
         PathRandom random(shadows, i);
         const LitPoint point = places.place(u, v, random.next2() - 0.5).point;
         const glm::dvec2 within = random.next2();
         for (std::size_t j = 0; j < lights.size(); ++j)
-            if (!tracer.is_shadowed(point, direction_within(lights[j], within)))
-                visibility_[at * lights_ + j] = static_cast<std::uint8_t>(
-                    visibility_[at * lights_ + j] + 255 / options.shadow_samples);
+            seen[j] += mean_of(tracer.unblocked(point, direction_within(lights[j], within)));
     }
-    // With rounding down above, a light that is never blocked would not be quite visible.
-    const auto most =
-        static_cast<std::uint8_t>(255 / options.shadow_samples * options.shadow_samples);
-    for (std::size_t j = 0; j < lights.size(); ++j)
-        if (std::uint8_t& share_seen = visibility_[at * lights_ + j]; share_seen == most)
-            share_seen = 255;
+    // With rounding down below, a light that is never blocked would not be quite visible.
+    const unsigned step = 255 / options.shadow_samples, most = step * options.shadow_samples;
+    for (std::size_t j = 0; j < lights.size(); ++j) {
+        const auto steps = static_cast<unsigned>(std::lround(seen[j] * step));
+        visibility_[at * lights_ + j] = static_cast<std::uint8_t>(steps == most ? 255 : steps);
+    }
 }
 
 std::optional<glm::dvec3> PlaceLight::diffuse(const glm::dvec2& texel,

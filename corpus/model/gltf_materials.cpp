@@ -105,6 +105,7 @@ Result<ModelMaterial> read_material(const tinygltf::Model& file, std::size_t num
         m.emission *= std::clamp(number_or(*strength, "emissiveStrength", 1.0), 0.0, 1e4);
     m.normal_scale = std::clamp(from.normalTexture.scale, -10.0, 10.0);
     m.cutoff = from.alphaMode == "MASK" ? std::clamp(from.alphaCutoff, 0.0, 1.0) : 0.0;
+    m.blends = from.alphaMode == "BLEND";
     m.double_sided = from.doubleSided;
     const auto use = [&](const auto& texture) {
         return texture_use(file, texture.index, texture.texCoord, texture.extensions, who, notes);

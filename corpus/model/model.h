@@ -88,6 +88,7 @@ struct ModelMaterial {
     glm::dvec3 emission{0.0};
     double normal_scale = 1.0;
     double cutoff = 0.0; // light passes where alpha is below it; 0: opaque
+    bool blends = false; // the share 1 - alpha of light passes
     bool double_sided = false;
     TextureUse base_texture, metal_roughness_texture, normal_texture, emission_texture;
     TextureUse specular_texture, specular_colour_texture; // alpha, colour
@@ -158,8 +159,7 @@ inline glm::dvec3 area_vector(const Model& model, const ModelTriangle& triangle)
 // KHR_texture_transform, KHR_lights_punctual, EXT_mesh_gpu_instancing, EXT_texture_webp, and
 // KHR_materials_anisotropy, _clearcoat, _emissive_strength, _ior, _iridescence,
 // _pbrSpecularGlossiness, _sheen, _specular, _transmission, _unlit and _volume. Model::notes names
-// what is ignored: other extensions, animation, skins, morph targets, blending, pictures that
-// cannot be read.
+// what is ignored: other extensions, animation, skins, morph targets, pictures that cannot be read.
 //
 // Errors name the file and the element: bad_argument (another suffix); io; invalid_file;
 // unsupported (a required extension, a point cloud, sizes beyond the limits);

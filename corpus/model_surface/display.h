@@ -19,6 +19,14 @@ struct Display {
                 x[c] = linear_to_srgb(x[c]);
         return x;
     }
+    // The light that has this value.
+    glm::dvec3 light(const glm::dvec3& value) const {
+        glm::dvec3 x = value;
+        if (!traits_of(type).is_float)
+            for (glm::length_t c = 0; c < 3; ++c)
+                x[c] = srgb_to_linear(x[c]);
+        return x / exposure;
+    }
 };
 
 } // namespace tessera::corpus

@@ -91,7 +91,7 @@ glm::dvec3 LitModel::light_with(std::uint32_t u, std::uint32_t v, AngularMap map
         PathRandom random(paths, i);
         const ModelSurfacePlace at = places_.place(u, v, random.next2() - 0.5);
         const glm::dvec3 view = view_from(at.frame, map, s, t);
-        emitted += at.point.emission;
+        emitted += at.point.opacity * at.point.emission;
         specular += tracer_.specular_own(at.point, view, shared, own, random);
         below += below_coats(Tracer::facing(at.point, view), view);
     }

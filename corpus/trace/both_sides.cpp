@@ -33,15 +33,15 @@ bool is_open(const RayModel& rays, std::uint32_t triangle) {
     });
 }
 
-// Whether the alpha mask leaves a part of the triangle.
+// Whether alpha leaves a part of the triangle.
 bool is_visible(const RayModel& rays, std::uint32_t triangle) {
     return at_any_place(
         triangle, 1, [&](const ModelPlace& place, PathRandom&) { return !rays.is_cut_out(place); });
 }
 
-bool has_backs_or_masks(const Model& model) {
+bool has_backs_or_alpha(const Model& model) {
     for (const ModelMaterial& m : model.materials)
-        if (m.double_sided || m.cutoff > 0.0)
+        if (m.double_sided || m.cutoff > 0.0 || m.blends)
             return true;
     return false;
 }
@@ -49,7 +49,7 @@ bool has_backs_or_masks(const Model& model) {
 } // namespace
 
 Result<Model> with_both_sides(Model model) {
-    if (!has_backs_or_masks(model))
+    if (!has_backs_or_alpha(model))
         return model;
     TESSERA_TRY_ASSIGN(const auto rays, RayModel::make(model));
     const std::vector<ModelTriangle> before = std::move(model.triangles);
@@ -73,7 +73,7 @@ Result<Model> with_both_sides(Model model) {
         model.triangles.push_back(back);
     }
     if (model.triangles.empty())
-        return Status(ErrorCode::invalid_file, "its alpha masks remove all triangles");
+        return Status(ErrorCode::invalid_file, "its alpha removes all triangles");
     return model;
 }
 

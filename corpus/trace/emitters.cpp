@@ -7,7 +7,7 @@ namespace tessera::corpus {
 namespace {
 
 // Emission textures are often black except for a few places, so the power of a triangle comes from
-// its own part of the texture. Small bright places can lie between the trials. Hence this share of
+// its own part of the texture and of that of alpha. Small bright places can lie between the trials. Hence this share of
 // the mean of the whole texture is added.
 constexpr unsigned textured_trials = 32;
 constexpr double texture_share = 0.05;
@@ -55,7 +55,7 @@ std::vector<double> floors_of(const Model& model) {
 // The mean light of the triangle.
 double mean_light(const RayModel& rays, std::uint32_t triangle) {
     const ModelMaterial& m = rays.model().materials[rays.model().triangles[triangle].material];
-    if (m.emission_texture.image < 0)
+    if (m.emission_texture.image < 0 && !m.blends)
         return mean_channel(m.emission);
     double sum = 0;
     for (unsigned i = 0; i < textured_trials; ++i) {

@@ -9,7 +9,7 @@ struct EmitterSample {
     std::uint32_t triangle = 0;
     glm::dvec3 direction{0.0, 1.0, 0.0}; // unit vector from the origin to the sampled place
     double distance = 0;
-    glm::dvec3 light{0.0}; // towards the origin; 0 at backs and at places that alpha masks remove
+    glm::dvec3 light{0.0}; // towards the origin; 0 at backs and at places that are cut out
     double density = 1;    // per steradian; positive
 };
 

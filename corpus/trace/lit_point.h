@@ -19,6 +19,9 @@ struct LitPoint {
     glm::dvec3 normal{0.0}; // the interpolated normal, or that of the normal map
     glm::dvec3 emission{0.0};
     Lobes lobes;
+    // The share of light that meets the surface. The rest goes straight through. `emission` and
+    // `lobes` are those of the surface itself.
+    double opacity = 1.0;
 };
 
 } // namespace tessera::corpus

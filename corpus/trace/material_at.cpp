@@ -250,6 +250,10 @@ double alpha_at(const Model& model, const ModelMaterial& m, const Interpolated& 
     return m.base.a * at.colour.a * texture_value(model, m.base_texture, at.uv, true).a;
 }
 
+double opacity_at(const Model& model, const ModelMaterial& m, const Interpolated& at) {
+    return m.blends ? std::clamp(alpha_at(model, m, at), 0.0, 1.0) : 1.0;
+}
+
 LitPoint lit_point(const Model& model, const ModelPlace& place) {
     const ModelMaterial& m = model.materials[model.triangles[place.triangle].material];
     const Interpolated at = interpolated_at(model, place);
@@ -262,6 +266,7 @@ LitPoint lit_point(const Model& model, const ModelPlace& place) {
                                           : bent_normal(model, m.normal_texture, m.normal_scale, at,
                                                         place.triangle, smooth);
     p.emission = emission_at(model, m, at);
+    p.opacity = opacity_at(model, m, at);
     if (m.is_unlit) {
         p.lobes = {glm::dvec3(0.0), glm::dvec3(0.0), 1.0, 0.0};
         return p;

@@ -19,5 +19,7 @@ LitPoint lit_point(const Model& model, const ModelPlace& place);
 glm::dvec3 emission_at(const Model& model, const ModelMaterial& m, const Interpolated& at);
 // The alpha of the base colour.
 double alpha_at(const Model& model, const ModelMaterial& m, const Interpolated& at);
+// LitPoint::opacity.
+double opacity_at(const Model& model, const ModelMaterial& m, const Interpolated& at);
 
 } // namespace tessera::corpus

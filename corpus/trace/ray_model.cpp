@@ -5,8 +5,9 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr int most_walls = 64; // that a ray passes
-constexpr double past = 1e-4;  // rays go on so far behind a wall
+constexpr int most_walls = 64;                // that a ray passes
+constexpr double past = 1e-4;                 // rays go on so far behind a wall
+constexpr double least_opacity = 1.0 / 512.0; // of a place that is not invisible
 
 bool is_glass(const ModelMaterial& m) {
     return m.coats && m.coats->through > 0.0;
@@ -14,9 +15,8 @@ bool is_glass(const ModelMaterial& m) {
 
 bool cut_out(const Model& model, const ModelPlace& place) {
     const ModelMaterial& m = model.materials[model.triangles[place.triangle].material];
-    if (m.cutoff <= 0.0)
-        return false;
-    return alpha_at(model, m, interpolated_at(model, place)) < m.cutoff;
+    const double least = m.blends ? least_opacity : m.cutoff;
+    return least > 0.0 && alpha_at(model, m, interpolated_at(model, place)) < least;
 }
 
 } // namespace
@@ -34,9 +34,11 @@ Result<std::shared_ptr<const RayModel>> RayModel::make(Model model) {
     const auto passes = [&m = made->model_](std::uint32_t triangle, const glm::dvec2& barycentric) {
         return cut_out(m, {triangle, barycentric});
     };
-    made->has_glass_ = std::ranges::any_of(made->model_.triangles, [&](const ModelTriangle& t) {
-        return is_glass(made->model_.materials[t.material]);
-    });
+    for (const ModelTriangle& t : made->model_.triangles) {
+        const ModelMaterial& m = made->model_.materials[t.material];
+        made->has_glass_ |= is_glass(m);
+        made->has_blending_ |= m.blends;
+    }
     TESSERA_TRY_ASSIGN(made->fronts_, RayScene::make(positions, triangles, true, passes));
     TESSERA_TRY_ASSIGN(made->all_, RayScene::make(positions, triangles, false));
     return std::shared_ptr<const RayModel>(std::move(made));
@@ -55,24 +57,29 @@ bool RayModel::is_blocked(const glm::dvec3& origin, const glm::dvec3& direction,
     return fronts_->is_blocked(origin, direction, reach);
 }
 
+template <class SeeThrough>
+std::optional<RayHit> RayModel::first_wall(const glm::dvec3& origin, const glm::dvec3& direction,
+                                           const SeeThrough& see_through) const {
+    glm::dvec3 from = origin;
+    auto hit = all_->first_hit(from, direction);
+    for (int i = 1; i < most_walls && hit && see_through(material(hit->triangle)); ++i) {
+        from += direction * (hit->distance + past);
+        hit = all_->first_hit(from, direction);
+    }
+    return hit;
+}
+
 bool RayModel::meets_back(const glm::dvec3& origin, const glm::dvec3& direction) const {
-    const auto hit = all_->first_hit(origin, direction);
+    const auto hit = first_wall(origin, direction, [](const ModelMaterial& m) { return m.blends; });
     return hit && hit->back;
 }
 
 bool RayModel::is_walled(const glm::dvec3& origin, const glm::dvec3& direction) const {
-    if (!has_glass_)
+    if (!lets_light_pass())
         return all_->is_blocked(origin, direction);
-    glm::dvec3 from = origin;
-    for (int i = 0; i < most_walls; ++i) {
-        const auto hit = all_->first_hit(from, direction);
-        if (!hit)
-            return false;
-        if (!is_glass(material(hit->triangle)))
-            return true;
-        from += direction * (hit->distance + past);
-    }
-    return true;
+    return first_wall(origin, direction,
+                      [](const ModelMaterial& m) { return m.blends || is_glass(m); })
+        .has_value();
 }
 
 std::optional<RayModel::Side> RayModel::first_side(const glm::dvec3& origin,
@@ -97,9 +104,15 @@ bool RayModel::is_cut_out(const ModelPlace& place) const {
 
 glm::dvec3 RayModel::emission(const ModelPlace& place) const {
     const ModelMaterial& m = material(place.triangle);
-    if (m.emission_texture.image < 0 && !m.is_unlit)
+    if (m.emission_texture.image < 0 && !m.is_unlit && !m.blends)
         return m.emission;
-    return emission_at(model_, m, interpolated_at(model_, place));
+    const Interpolated at = interpolated_at(model_, place);
+    return opacity_at(model_, m, at) * emission_at(model_, m, at);
+}
+
+double RayModel::opacity(const ModelPlace& place) const {
+    const ModelMaterial& m = material(place.triangle);
+    return m.blends ? opacity_at(model_, m, interpolated_at(model_, place)) : 1.0;
 }
 
 LitPoint RayModel::point(const ModelPlace& place) const {

@@ -145,7 +145,7 @@ Thrown DiffuseLobe::operator()(const glm::dvec3& l) const {
     const double nl = glm::dot(p.normal, l);
     if (nl <= 0.0 || glm::dot(p.face, l) <= 0.0)
         return {};
-    Thrown thrown{diffuse_colour(p.lobes) * nl, cosine_density(nl)};
+    Thrown thrown{diffuse_colour(p.lobes) * (nl * p.opacity), cosine_density(nl)};
     if (p.lobes.has_coats)
         thrown.share *= below_coats(p, l) / mean_below_coats(p.lobes.coats);
     return thrown;
@@ -155,13 +155,16 @@ Thrown SpecularLobe::operator()(const glm::dvec3& l) const {
     const double nl = glm::dot(p.normal, l), nv = glm::dot(p.normal, view);
     if (nl <= 0.0 || nv <= 0.0 || glm::dot(p.face, l) <= 0.0)
         return {};
-    if (p.lobes.has_coats)
-        return with_coats(p, view, l, nl, nv);
+    if (p.lobes.has_coats) {
+        Thrown thrown = with_coats(p, view, l, nl, nv);
+        thrown.share *= p.opacity;
+        return thrown;
+    }
     const glm::dvec3 h = glm::normalize(l + view);
     const double nh = std::min(glm::dot(p.normal, h), 1.0);
     const double alpha = p.lobes.alpha;
     return {fresnel(p.lobes, glm::dot(view, h)) *
-                (ggx(alpha, nh) * smith_visibility(alpha, nl, nv) * nl),
+                (ggx(alpha, nh) * smith_visibility(alpha, nl, nv) * nl * p.opacity),
             ggx_density(alpha, nh, nv)};
 }
 

@@ -14,7 +14,7 @@
 
 namespace tessera::corpus {
 
-// A lobe times the cosine of the light, and the density with which the lobe samples the direction.
+// A lobe times the cosine of the light and the opacity, and the density with which the lobe samples the direction.
 struct Thrown {
     glm::dvec3 share{0.0};
     double density = 0;

@@ -10,6 +10,7 @@ constexpr int most_bounces = 8;       // after the first
 constexpr int sure_bounces = 2;       // later ones are subject to Russian roulette
 constexpr double wide_alpha = 0.09;   // behind wider lobes, mirrors need not be sharper
 constexpr std::size_t most_lamps = 8; // of which each path asks for the light
+constexpr int most_panes = 64;        // that a ray passes
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 double largest_channel(const glm::dvec3& x) {
@@ -142,7 +143,7 @@ glm::dvec3 Tracer::reflected(const LitPoint& point, const Lobe& lobe, const glm:
         return glm::dvec3(0.0);
     const glm::dvec3 start = start_of(point);
     return thrown.share / thrown.density *
-           arriving(start, sampled, model_->first_hit(start, sampled), thrown.density, lobe.width(),
+           arriving(start, sampled, next_hit(start, sampled, random), thrown.density, lobe.width(),
                     random);
 }
 
@@ -166,10 +167,15 @@ glm::dvec3 Tracer::specular_of_model(const LitPoint& point, const glm::dvec3& vi
                                      PathRandom& random) const {
     const SpecularLobe lobe{point, view};
     const glm::dvec3 lit = from_emitters(point, lobe, random);
-    const glm::dvec3 l = lobe.sample(random);
-    if (!model_->first_hit(start_of(point), l))
+    const glm::dvec3 start = start_of(point), l = lobe.sample(random);
+    const Thrown thrown = lobe(l);
+    if (!(thrown.density > 0.0))
         return lit;
-    return lit + reflected(point, lobe, l, random);
+    const Hit hit = next_hit(start, l, random);
+    if (!hit)
+        return lit;
+    return lit + thrown.share / thrown.density *
+                     arriving(start, l, hit, thrown.density, lobe.width(), random);
 }
 
 double Tracer::emitter_density(const glm::dvec3& origin, const glm::dvec3& direction,
@@ -204,7 +210,7 @@ Tracer::Incoming Tracer::incoming(const LitPoint& point, PathRandom& random) con
     if (glm::dot(found.direction, point.normal) <= 0.0 ||
         glm::dot(found.direction, point.face) <= 0.0)
         return found;
-    const Hit hit = model_->first_hit(start, found.direction);
+    const Hit hit = next_hit(start, found.direction, random);
     if (emitter && !(hit && hit->triangle == *emitter))
         return found;
     found.light = arriving(start, found.direction, hit, infinite, 1.0, random);
@@ -237,24 +243,43 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
     sum += transmitted(faced, view, random) / own;
     const glm::dvec3 l = lobe.sample(random);
     if (const Thrown thrown = lobe(l); thrown.density > 0.0) {
-        const Hit hit = model_->first_hit(start, l);
+        const Hit hit = next_hit(start, l, random);
         sum += thrown.share * arriving(start, l, hit, infinite, lobe.width(), random) /
                (shared * shared_density(point, l, hit) + own * thrown.density);
     }
     return sum;
 }
 
+Tracer::Hit Tracer::next_hit(const glm::dvec3& origin, const glm::dvec3& direction,
+                             PathRandom& random) const {
+    Hit hit = model_->first_hit(origin, direction);
+    if (!model_->has_blending())
+        return hit;
+    for (int i = 0; hit && i < most_panes; ++i) {
+        const double opacity = model_->opacity(*hit);
+        if (opacity >= 1.0 || random.next() < opacity)
+            break;
+        hit = model_->first_hit(model_->point(*hit).position + direction * off, direction);
+    }
+    return hit;
+}
+
+glm::dvec3 Tracer::unblocked(const LitPoint& point, const glm::dvec3& direction,
+                             double reach) const {
+    if (glm::dot(point.face, direction) <= 0.0)
+        return glm::dvec3(0.0);
+    return passing_share(start_of(point), direction, std::max(reach - off, 0.0));
+}
+
 bool Tracer::is_shadowed(const LitPoint& point, const glm::dvec3& direction, double reach) const {
     constexpr double half = 0.5; // of the light; less is a shadow
-    return glm::dot(point.face, direction) <= 0.0 ||
-           largest_channel(passing_share(start_of(point), direction, std::max(reach - off, 0.0))) <
-               half;
+    return largest_channel(unblocked(point, direction, reach)) < half;
 }
 
 glm::dvec3 Tracer::from(const LitPoint& point, const glm::dvec3& direction, bool distant,
                         PathRandom& random) const {
     const glm::dvec3 start = start_of(point);
-    const Hit hit = model_->first_hit(start, direction);
+    const Hit hit = next_hit(start, direction, random);
     if (!hit && !distant)
         return glm::dvec3(0.0);
     return arriving(start, direction, hit, infinite, 1.0, random);
@@ -262,7 +287,7 @@ glm::dvec3 Tracer::from(const LitPoint& point, const glm::dvec3& direction, bool
 
 glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
                            PathRandom& random) const {
-    return point.emission + diffuse(point, random) * below_coats(point, view) +
+    return point.opacity * point.emission + diffuse(point, random) * below_coats(point, view) +
            specular(point, view, random);
 }
 
@@ -280,6 +305,7 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
         }
         const glm::dvec3 view = -direction;
         LitPoint p = facing(model_->point(*hit), view);
+        p.opacity = 1.0; // as next_hit() has chosen
         blur(p.lobes, widest);
         if (largest_channel(p.emission) > 0.0)
             sum += share * p.emission / divisor(emitter_density(origin, direction, hit));
@@ -321,7 +347,7 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
         }
         if (++bounce == most_bounces)
             return sum;
-        hit = model_->first_hit(start, direction);
+        hit = next_hit(start, direction, random);
     }
 }
 

@@ -19,6 +19,9 @@ struct ModelLight {
     std::shared_ptr<const Environment> environment; // never null
     std::optional<Sun> sun{};
     std::vector<ModelLamp> lamps{};
+    // The light that an observer sees beyond the model, straight through surfaces that blend. Absent:
+    // that of the environment.
+    std::optional<glm::dvec3> backdrop{};
 };
 
 // The light of a lamp that arrives at a place, if nothing is between them.
@@ -33,7 +36,8 @@ LampLight lamp_light(const ModelLamp& lamp, const glm::dvec3& place);
 // two exceptions. Mirrors that are seen indirectly are as rough as the roughest surface before
 // them on the path, up to a roughness of 0.3, because otherwise a few paths would be very bright. And light passes volumes, which bend it, only along
 // paths that start at the observer: a lamp casts a shadow of a glass ball without a bright spot.
-// Clear walls without a volume cast tinted shadows. Immutable and thread-safe.
+// Clear walls without a volume cast tinted shadows. Paths pass surfaces that blend at random, those
+// from the observer in the right shares. Immutable and thread-safe.
 class Tracer {
 public:
     static constexpr double off = 1e-4; // rays start this far off a surface, in world units
@@ -42,7 +46,11 @@ public:
 
     const RayModel& model() const { return *model_; }
     const ModelLight& light() const { return light_; }
-    // Whether less than half of the light from this direction, `reach` away, reaches the point.
+    // The share of the light from this direction, `reach` away, that reaches the point. It has the
+    // colour of clear walls.
+    glm::dvec3 unblocked(const LitPoint& point, const glm::dvec3& direction,
+                         double reach = std::numeric_limits<double>::infinity()) const;
+    // Whether less than half of that light reaches the point.
     bool is_shadowed(const LitPoint& point, const glm::dvec3& direction,
                      double reach = std::numeric_limits<double>::infinity()) const;
 
@@ -72,7 +80,8 @@ public:
     // from the model and, if `distant`, from the environment.
     glm::dvec3 from(const LitPoint& point, const glm::dvec3& direction, bool distant,
                     PathRandom& random) const;
-    // Light from behind the surface that leaves along `view`, if the material lets light pass.
+    // Light from behind the surface that leaves along `view`, if the material lets light pass or
+    // blends.
     glm::dvec3 transmitted(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
     // All light that leaves the point along `view`.
     glm::dvec3 leaving(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
@@ -82,6 +91,9 @@ public:
 
 private:
     using Hit = std::optional<ModelPlace>;
+    // Where the ray meets the model. It passes surfaces that blend with the probability of their
+    // transparency, so that the place found counts as opaque.
+    Hit next_hit(const glm::dvec3& origin, const glm::dvec3& direction, PathRandom& random) const;
     // How shared paths choose their directions. The rest follows the cosine around the normal.
     struct Shares {
         double environment = 0.5, emitters = 0.0;
@@ -117,8 +129,8 @@ private:
     PassedRay leave_volume(PassedRay ray, const LitPoint& entry, PathRandom& random) const;
     // How often a ray passes instead of being reflected.
     static double passing_chance(const LitPoint& point, const glm::dvec3& view);
-    // The share of light that goes straight from the start to what is `reach` away: 1, 0, or the
-    // colour of clear walls.
+    // The share of light that goes straight from the start to what is `reach` away: 1, 0, or what
+    // clear walls and surfaces that blend leave.
     glm::dvec3 passing_share(const glm::dvec3& start, const glm::dvec3& direction,
                              double reach) const;
 

@@ -1,4 +1,4 @@
-// Light that passes surfaces (KHR_materials_transmission and KHR_materials_volume).
+// Light that passes surfaces: KHR_materials_transmission, KHR_materials_volume and blending.
 #include "corpus/trace/tracer.h"
 
 #include <cmath>
@@ -7,7 +7,7 @@ namespace tessera::corpus {
 namespace {
 
 constexpr double clear_wall_alpha = 0.0025; // a roughness of 0.05: smoother walls are clear
-constexpr int most_clear_walls = 32;        // on the way of a shadow ray
+constexpr int most_clear_walls = 64;        // on the way of a shadow ray
 constexpr int most_inner_bounces = 32;      // within a volume
 constexpr int sure_inner_bounces = 4;       // later ones are subject to Russian roulette
 
@@ -57,7 +57,7 @@ double Tracer::passing_chance(const LitPoint& point, const glm::dvec3& view) {
 
 glm::dvec3 Tracer::passing_share(const glm::dvec3& start, const glm::dvec3& direction,
                                  double reach) const {
-    if (!model_->has_glass())
+    if (!model_->lets_light_pass())
         return glm::dvec3(model_->is_blocked(start, direction, reach) ? 0.0 : 1.0);
     glm::dvec3 share(1.0), from = start;
     for (int i = 0; i < most_clear_walls; ++i) {
@@ -68,9 +68,12 @@ glm::dvec3 Tracer::passing_share(const glm::dvec3& start, const glm::dvec3& dire
         if (!hit)
             return share;
         const LitPoint p = facing(model_->point(*hit), -direction);
-        if (!passes_light(p) || !is_clear(p))
+        glm::dvec3 left(1.0 - p.opacity);
+        if (passes_light(p) && is_clear(p))
+            left += p.opacity * clear_share(p, -direction);
+        share *= left;
+        if (!(largest_share(share) > 0.0))
             break;
-        share *= clear_share(p, -direction);
         from = p.position + direction * off;
     }
     return glm::dvec3(0.0);
@@ -159,15 +162,24 @@ Tracer::PassedRay Tracer::leave_volume(PassedRay ray, const LitPoint& entry,
 
 glm::dvec3 Tracer::transmitted(const LitPoint& point, const glm::dvec3& view,
                                PathRandom& random) const {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    glm::dvec3 sum(0.0);
+    if (point.opacity < 1.0) {
+        const glm::dvec3 start = point.position - view * off;
+        const Hit hit = next_hit(start, -view, random);
+        sum += (1.0 - point.opacity) * (!hit && light_.backdrop
+                                            ? *light_.backdrop
+                                            : arriving(start, -view, hit, infinite, 0.0, random));
+    }
     if (!passes_light(point))
-        return glm::dvec3(0.0);
+        return sum;
     const PassedRay ray = pass(point, view, random);
     if (!(largest_share(ray.share) > 0.0))
-        return glm::dvec3(0.0);
-    return ray.share * arriving(ray.origin, ray.direction,
-                                model_->first_hit(ray.origin, ray.direction),
-                                std::numeric_limits<double>::infinity(),
-                                ray.is_straight ? 0.0 : point.lobes.coats.through_alpha, random);
+        return sum;
+    return sum + point.opacity * ray.share *
+                     arriving(ray.origin, ray.direction,
+                              next_hit(ray.origin, ray.direction, random), infinite,
+                              ray.is_straight ? 0.0 : point.lobes.coats.through_alpha, random);
 }
 
 } // namespace tessera::corpus

@@ -165,6 +165,8 @@ TEST_F(Gltf, WhatIsIgnoredIsNamedAndCounted) {
             return note.find(words) != std::string::npos;
         })) << words;
     EXPECT_EQ(model->notes.size(), 5u);
+    EXPECT_TRUE(model->materials[1].blends);
+    EXPECT_FALSE(model->materials[2].blends);
 }
 
 // Lamps move and grow with the model, whose radius becomes 3.5.

@@ -1,6 +1,5 @@
 // Tests light that passes walls and volumes.
-#include "corpus/trace/tracer.h"
-#include "tests/support/model_files.h"
+#include "tests/support/traced_squares.h"
 
 namespace tessera::corpus {
 namespace {
@@ -20,45 +19,6 @@ ModelMaterial glass(const glm::dvec3& tint, double ior) {
     m.coats = ModelCoats{};
     m.coats->through = 1.0;
     return m;
-}
-
-// A square of side 2 * size at this height, seen from above or, `down`, from below.
-void add_square(Model& model, float size, float height, bool down, std::uint32_t material) {
-    const auto first = static_cast<std::uint32_t>(model.vertices.size());
-    for (int i = 0; i < 4; ++i) {
-        ModelVertex v;
-        v.position = {i % 2 ? size : -size, height, i / 2 ? size : -size};
-        v.normal = {0, down ? -1 : 1, 0};
-        model.vertices.push_back(v);
-    }
-    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-        if (down)
-            std::swap(b, c);
-        model.triangles.push_back({{first + a, first + b, first + c}, material});
-    };
-    add(0, 2, 1);
-    add(1, 2, 3);
-}
-
-Tracer tracer_of(const Model& model, ModelLight light) {
-    auto rays = RayModel::make(model);
-    EXPECT_TRUE(rays.ok());
-    return Tracer(std::move(*rays), std::move(light));
-}
-
-// The mean light that an observer at `eye` sees along `way`.
-glm::dvec3 seen(const Tracer& tracer, const glm::dvec3& eye, const glm::dvec3& way,
-                unsigned count = 2048) {
-    const auto hit = tracer.model().first_hit(eye, way);
-    if (!hit)
-        return tracer.light().environment->light(way);
-    const LitPoint p = Tracer::facing(tracer.model().point(*hit), -way);
-    glm::dvec3 sum(0.0);
-    for (unsigned i = 0; i < count; ++i) {
-        PathRandom random(4, i);
-        sum += tracer.leaving(p, -way, random) / static_cast<double>(count);
-    }
-    return sum;
 }
 
 const glm::dvec3 below{0, -1, 0};

@@ -24,6 +24,7 @@ Result<corpus::Sun> parse_sun(const std::string& text) {
 
 Result<corpus::ModelLight> make_light(const ModelArguments& a) {
     corpus::ModelLight light;
+    light.backdrop = glm::dvec3(0.0); // files of bakes have a black background
     if (!a.environment.empty()) {
         TESSERA_TRY_ASSIGN(corpus::Environment environment,
                            corpus::Environment::load(a.environment, a.environment_layer));

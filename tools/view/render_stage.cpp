@@ -44,6 +44,7 @@ Status add_model_truth(const StageRequest& r, const Metadata& metadata,
         arguments.environment_layer.clear();
     }
     TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(r.truth, arguments));
+    file.light.backdrop = file.display.light(background);
     RenderOptions options = asked;
     const unsigned paths = r.truth_samples.value_or(usual_model_paths);
     options.rays = std::clamp(paths / least_paths_per_ray, 1u, mesh_rays);
