@@ -50,7 +50,7 @@ TextureField make_field(const ModelAtlas& atlas, std::uint32_t finer, std::uint3
     TextureField field;
     field.width = atlas.size[0] * finer;
     field.height = atlas.size[1] * finer;
-    field.directions = directions;
+    field.directions = {directions, directions};
     field.charts.assign(field.places(), 0);
     for (std::size_t i = 0; i < atlas.charts.size(); ++i) {
         const Chart& chart = atlas.charts[i];
@@ -66,7 +66,7 @@ TextureField make_field(const ModelAtlas& atlas, std::uint32_t finer, std::uint3
 
 TextureField make_shared_field(std::uint32_t directions) {
     TextureField field;
-    field.directions = directions;
+    field.directions = {directions, directions};
     field.charts = {1};
     field.clear();
     return field;

@@ -190,6 +190,13 @@ double seen_weight(const TextureField& field, const PhotoSamples& samples) {
     return count > 0 ? sum / count : 0.0;
 }
 
+std::vector<bool> seen_texels(const TextureField& field, const PhotoSamples& samples) {
+    std::vector<bool> seen;
+    for (const float x : seen_weights(field, samples))
+        seen.push_back(x > 0.0f);
+    return seen;
+}
+
 Status solve_least_squares(std::span<TextureField> fields, const PhotoSamples& samples,
                            unsigned iterations, const char* stage, const BakeRun& run) {
     NormalEquations equations(fields, samples, run.threads);

@@ -18,6 +18,9 @@ PixelColours predict(std::span<const TextureField> fields, const PhotoSamples& s
 // makes costs of neighbours independent of the number of photographs.
 double seen_weight(const TextureField& field, const PhotoSamples& samples);
 
+// Of each texel of a field: whether a pixel that counts sees it.
+std::vector<bool> seen_texels(const TextureField& field, const PhotoSamples& samples);
+
 // Changes the values of the fields such that the weighted squared error of all pixels and the costs
 // of neighbours become least: `iterations` steps of conjugate gradients from the present values, with
 // the diagonal as preconditioner. Memory: 8 times the values of all fields, per 32 threads. The

@@ -6,44 +6,26 @@
 // photograph shows at a place come from its neighbours and from what all places share.
 #pragma once
 
-#include "corpus/fit/photo_corrections.h"
+#include "corpus/fit/photo_solver.h"
 #include "corpus/layers/model_layers.h"
-
-#include <optional>
-#include <string>
 
 namespace tessera::corpus {
 
-struct PhotoFitOptions {
+struct PhotoFitOptions : PhotoSolveOptions {
     double density = 0;                   // texels per world unit; 0: as fine as the nearest pixels
     double most_texels = 1'000'000;       // of colour
     std::uint32_t cell = 8;               // texels along a side of a group of places
     std::uint32_t directions = 16;        // along s and t, of groups
     std::uint32_t shared_directions = 64; // of all places
-    // How alike neighbours are kept: 1 suits most; higher is smoother. 0: chosen by keeping every
-    // fifth photograph out of trial fits.
-    double smoothness = 0;
-    unsigned iterations = 40;
-    PixelFilter filter;
-    std::optional<glm::dvec3> background; // display values; absent: looked for at the borders
-    // Whether exposures, poses and outliers are estimated.
-    bool corrects = true;
     unsigned position_bits = 12, normal_bits = 8;
-    BakeRun run;
 };
 
-struct PhotoFit {
+struct PhotoFit : PhotoFindings {
     ModelLayers layers;
-    std::optional<glm::dvec3> background;
-    double smoothness = 0;
-    std::size_t pixels = 0;                   // that were fitted
-    std::vector<PhotoDifference> differences; // of each photograph, before its correction
-    std::vector<std::size_t> left_out;        // photographs that fit none of the others
-    double error = 0;                         // root mean square of the fitted pixels
 };
 
 // `model` is in the frame of the cameras. The result depends only on the arguments, not on the number
-// of threads. Errors: those of make_model_atlas(), trace_photographs() and solve_least_squares();
+// of threads. Errors: those of make_model_atlas() and solve_photographs();
 // bad_argument (an option out of its range; no photograph).
 Result<PhotoFit> fit_photographs(const Model& model, std::span<const PosedPhotograph> photographs,
                                  const PhotoFitOptions& options);

@@ -1,11 +1,9 @@
 #include "corpus/fit/photo_samples.h"
 
 #include "corpus/trace/path_random.h"
-#include "format/layers.h"
 
 #include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <limits>
 
 namespace tessera::corpus {
@@ -19,8 +17,8 @@ struct TracedPhotograph {
 
 class PhotographTracer {
 public:
-    PhotographTracer(const SeenMesh& mesh, const PhotoTraceOptions& options)
-        : mesh_(mesh), options_(options),
+    PhotographTracer(const SeenSurface& surface, const PhotoTraceOptions& options)
+        : surface_(surface), options_(options),
           weight_(1.0f / static_cast<float>(options.rays * options.rays)) {}
 
     TracedPhotograph trace(const PhotoCamera& camera, const PhotoPixels& pixels,
@@ -43,13 +41,13 @@ private:
         const unsigned n = options_.rays;
         for (unsigned j = 0; j < n; ++j)
             for (unsigned i = 0; i < n; ++i) {
-                const glm::dvec2 r = random.next2();
+                const glm::dvec2 r = options_.is_centred ? glm::dvec2(0.5) : random.next2();
                 const glm::dvec3 direction =
                     camera.direction(x + options_.filter.place((i + r.x) / n),
                                      y + options_.filter.place((j + r.y) / n));
-                if (const auto hit = mesh_.first_hit(camera.eye, direction)) {
-                    traced.samples.push_back(mesh_.sample(*hit, direction));
-                    traced.samples.back().weight = weight_;
+                if (auto seen = surface_.seen(camera.eye, direction)) {
+                    seen->weight = weight_;
+                    traced.samples.push_back(*seen);
                 }
             }
         pixel.end = static_cast<std::uint32_t>(traced.samples.size());
@@ -69,18 +67,18 @@ private:
         traced.pixels.push_back(pixel);
     }
 
-    // Whether rays around the pixel meet the mesh, too.
+    // Whether rays around the pixel meet the surface, too.
     bool is_inside(const PhotoCamera& camera, std::uint32_t x, std::uint32_t y) const {
         constexpr double margin = 1.5; // pixels
         for (const auto& [dx, dy] :
              {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)})
-            if (!mesh_.first_hit(camera.eye,
-                                 camera.direction(x + 0.5 + margin * dx, y + 0.5 + margin * dy)))
+            if (!surface_.seen(camera.eye,
+                               camera.direction(x + 0.5 + margin * dx, y + 0.5 + margin * dy)))
                 return false;
         return true;
     }
 
-    const SeenMesh& mesh_;
+    const SeenSurface& surface_;
     const PhotoTraceOptions& options_;
     float weight_; // of a ray
 };
@@ -112,20 +110,6 @@ Result<PhotoSamples> joined(std::vector<TracedPhotograph> traced) {
 }
 
 } // namespace
-
-Result<SeenMesh> SeenMesh::make(SurfaceMesh mesh) {
-    TESSERA_TRY_ASSIGN(auto rays, RayScene::make(mesh.positions, mesh.triangles, true));
-    return SeenMesh(std::move(mesh), std::move(rays));
-}
-
-PhotoSample SeenMesh::sample(const RayHit& hit, const glm::dvec3& direction) const {
-    const SurfacePoint point = surface_point(mesh_, tangents_, hit.triangle, hit.barycentric);
-    SurfaceFrame frame = point.frame;
-    frame.ez = facing_normal(frame.ez, -direction);
-    const glm::dvec2 st = octahedral_place(AngularMap::octahedral_mirrored, frame, -direction);
-    return {static_cast<float>(point.uv.x), static_cast<float>(point.uv.y),
-            static_cast<float>(st.x), static_cast<float>(st.y), 1.0f};
-}
 
 Result<std::optional<glm::dvec3>> common_background(std::span<const PosedPhotograph> photographs) {
     constexpr std::size_t most_read = 16;
@@ -160,10 +144,10 @@ Result<std::optional<glm::dvec3>> common_background(std::span<const PosedPhotogr
     return std::optional(middle);
 }
 
-Result<PhotoSamples> trace_photographs(const SeenMesh& mesh,
+Result<PhotoSamples> trace_photographs(const SeenSurface& surface,
                                        std::span<const PosedPhotograph> photographs,
                                        const PhotoTraceOptions& options) {
-    const PhotographTracer tracer(mesh, options);
+    const PhotographTracer tracer(surface, options);
     std::vector<TracedPhotograph> traced(photographs.size());
     std::vector<Status> failed(photographs.size());
     TESSERA_TRY(for_rows("tracing", static_cast<std::uint32_t>(photographs.size()), options.run,
@@ -178,10 +162,7 @@ Result<PhotoSamples> trace_photographs(const SeenMesh& mesh,
         TESSERA_TRY(Status(status));
     TESSERA_TRY_ASSIGN(PhotoSamples all, joined(std::move(traced)));
     if (all.samples.empty())
-        return Status(
-            ErrorCode::bad_argument,
-            "no photograph sees the mesh: are the mesh and the cameras in the same units, "
-            "with the same axis up?");
+        return Status(ErrorCode::bad_argument, surface.unseen());
     return all;
 }
 

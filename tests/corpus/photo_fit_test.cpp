@@ -15,7 +15,7 @@ TextureField field_of(std::uint32_t width, std::uint32_t height, std::uint32_t d
     TextureField field;
     field.width = width;
     field.height = height;
-    field.directions = directions;
+    field.directions = {directions, directions};
     field.charts.assign(field.places(), 1);
     field.clear();
     return field;
@@ -75,10 +75,9 @@ TEST(TextureField, SeesTheTexelsOfTheSampler) {
             std::vector<double> expected(field.places() * field.texels_per_place()),
                 found = expected;
             for (const WeightedTexel& texel : mesh_footprint(
-                     {field.width, field.height, field.directions, field.directions},
+                     {field.width, field.height, sides[2], sides[2]},
                      AngularMap::octahedral_mirrored, {sample.u, sample.v}, {sample.s, sample.t}))
-                expected[((texel.v * field.width + texel.u) * field.directions + texel.t) *
-                             field.directions +
+                expected[((texel.v * field.width + texel.u) * sides[2] + texel.t) * sides[2] +
                          texel.s] += texel.weight;
             const FieldTaps seen = taps(field, sample);
             for (unsigned k = 0; k < seen.count; ++k)
