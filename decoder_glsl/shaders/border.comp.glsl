@@ -9,6 +9,8 @@
 #define TSR_COHERENT_WORK
 #include "target.glsl"
 
+// All of it comes from buffers that no pass writes, so that every invocation of a group goes through
+// the same steps, as WGSL demands where there are barriers.
 struct TsrBorder {
     uint record; // word of the first block's record
     uint steps;
@@ -25,7 +27,7 @@ TsrBorder tsr_border(uint tile) {
     if (tile >= tsr_header(tsr_b_tiles))
         return border;
     uint list = tsr_tile(tile, tsr_tile_borders);
-    if (list == tsr_none || tsr_is_damaged(tile) || tsr_tile(tile, tsr_tile_values) == tsr_none)
+    if (list == tsr_none || tsr_tile(tile, tsr_tile_values) == tsr_none)
         return border;
     uint at = tsr_header(tsr_b_borders_at) + list;
     border.steps = min(tsr_batch_word(at), uint(tsr_max_blocks));
@@ -38,7 +40,7 @@ TsrBorder tsr_border(uint tile) {
 // A block and the picture that contains it.
 struct TsrPictureBlock {
     TsrFormat format;
-    TsrTarget target;
+    TsrTarget dest;
     bool of_base;
     int mode;
     ivec2 origin;
@@ -57,7 +59,7 @@ TsrPictureBlock tsr_picture_block(uint tile, uint record) {
     uint texels = tsr_batch_word(record + uint(tsr_border_texels));
     uint at = tsr_block_at(tile, block);
     b.format = tsr_format();
-    b.target = tsr_target(tile);
+    b.dest = tsr_target(tile);
     b.of_base = (tsr_copy(tile, block) & tsr_copy_of_base) != 0u;
     b.mode = int(word >> 12) & 63;
     ivec4 origin = tsr_origin_of(tsr_work_word(at + uint(tsr_k_place)));
@@ -66,8 +68,8 @@ TsrPictureBlock tsr_picture_block(uint tile, uint record) {
     b.sides = ivec2(sides.x, sides.y);
     b.above = int(texels & 255u);
     b.left = int((texels >> 8) & 255u);
-    b.first = b.of_base ? tsr_base_value_at(b.target, 0, 0) : tsr_value_at(b.target, 0, 0, 0, 0);
-    ivec2 all = b.of_base ? b.target.base_sides : ivec2(b.target.sides.x, b.target.sides.y);
+    b.first = b.of_base ? tsr_base_value_at(b.dest, 0, 0) : tsr_value_at(b.dest, 0, 0, 0, 0);
+    ivec2 all = b.of_base ? b.dest.base_sides : ivec2(b.dest.sides.x, b.dest.sides.y);
     b.width = all.x;
     b.last = all - 1;
     return b;
@@ -76,7 +78,7 @@ TsrPictureBlock tsr_picture_block(uint tile, uint record) {
 ivec4 tsr_picture_value(TsrPictureBlock b, int u, int v) {
     int x = clamp(u, 0, max(b.last.x, 0));
     int y = clamp(v, 0, max(b.last.y, 0));
-    return tsr_value_in(b.format, b.target, b.first + uint(y * b.width + x));
+    return tsr_value_in(b.format, b.dest, b.first + uint(y * b.width + x));
 }
 
 // The texels T and L of the format. Where one side of the border does not exist, the other takes
@@ -167,12 +169,12 @@ void tsr_predict_texel(TsrPictureBlock b, ivec4 mean, int x, int y) {
     int v = min(b.origin.y + y, b.last.y);
     uint at = b.first + uint(v * b.width + u);
     int limit = tsr_value_limit(b.format);
-    ivec4 value = clamp(tsr_value_in(b.format, b.target, at) + predicted, -limit, limit - 1);
-    tsr_keep_value(b.format, b.target, value, at);
+    ivec4 value = clamp(tsr_value_in(b.format, b.dest, at) + predicted, -limit, limit - 1);
+    tsr_keep_value(b.format, b.dest, value, at);
     if (b.of_base || b.format.filtered)
         return;
-    ivec4 codes = tsr_corrected(b.format, b.target, tsr_codes(b.format, value), u, v, 0, 0);
-    tsr_write_texel(ivec3(tsr_place(b.target, u, v)), tsr_samples(b.format, codes));
+    ivec4 codes = tsr_corrected(b.format, b.dest, tsr_codes(b.format, value), u, v, 0, 0);
+    tsr_write_texel(ivec3(tsr_place(b.dest, u, v)), tsr_samples(b.format, codes));
 }
 
 void tsr_predict_block(uint tile, uint record, int lane, int lanes) {
@@ -194,6 +196,8 @@ uint tsr_step_end(TsrBorder border, uint number, uint begin) {
 }
 
 void tsr_predict_step(uint tile, TsrBorder border, uint begin, uint end, int lane) {
+    if (tsr_is_damaged(tile))
+        return;
     uint blocks = end - begin;
     int lanes = blocks > 2u ? TSR_TEXEL_GROUP / 4 : TSR_TEXEL_GROUP / int(max(blocks, 1u));
     uint share = uint(lane / lanes);
@@ -205,6 +209,16 @@ void tsr_predict_step(uint tile, TsrBorder border, uint begin, uint end, int lan
 }
 
 #ifndef __cplusplus
+void tsr_end_step() {
+#ifdef TSR_TRANSLATED
+    controlBarrier(gl_ScopeWorkgroup, gl_ScopeDevice, gl_StorageSemanticsBuffer,
+                   gl_SemanticsAcquireRelease);
+#else
+    memoryBarrierBuffer();
+    barrier();
+#endif
+}
+
 layout(local_size_x = TSR_TEXEL_GROUP) in;
 void main() {
     TsrBorder border = tsr_border(gl_WorkGroupID.x);
@@ -213,8 +227,7 @@ void main() {
         uint end = tsr_step_end(border, i, begin);
         tsr_predict_step(gl_WorkGroupID.x, border, begin, end, int(gl_LocalInvocationIndex));
         begin = end;
-        memoryBarrierBuffer();
-        barrier();
+        tsr_end_step();
     }
 }
 #endif

@@ -8,8 +8,9 @@
 #ifndef __cplusplus
 layout(std430, binding = 0) restrict readonly buffer TesseraTables { uint tsr_tables[]; };
 layout(std430, binding = 1) restrict readonly buffer TesseraBatch { uint tsr_batch[]; };
-// Invocations of border.comp read what others of their group have written.
-#ifdef TSR_COHERENT_WORK
+// Invocations of border.comp read what others of their group have written. WGSL has no such
+// qualifier, but its barriers suffice.
+#if defined(TSR_COHERENT_WORK) && !defined(TSR_TRANSLATED)
 layout(std430, binding = 2) coherent restrict buffer TesseraWork { uint tsr_work[]; };
 #else
 layout(std430, binding = 2) restrict buffer TesseraWork { uint tsr_work[]; };

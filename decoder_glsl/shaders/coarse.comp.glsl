@@ -4,7 +4,7 @@
 layout(std430, binding = 1) readonly buffer TesseraJobs { uint tsr_jobs[]; };
 layout(std430, binding = 4) buffer TesseraSampler { uint tsr_sampler[]; };
 #include "sampler_layout.glsl"
-layout(TSR_TEXTURE(0)) uniform highp sampler2DArray tsr_texels;
+layout(TSR_TEXTURE(0)) uniform highp TSR_TEXTURE_TYPE tsr_texels;
 
 // Sums the texels in `count` from `begin` on, in the slot whose first pixel is `corner`.
 vec4 tsr_sum_of(ivec3 corner, ivec4 begin, ivec4 count) {

@@ -4,6 +4,16 @@
 #ifndef TSR_DIALECT
 #define TSR_DIALECT
 #ifndef __cplusplus
+#ifdef TSR_TRANSLATED
+#extension GL_EXT_samplerless_texture_functions : require
+#extension GL_KHR_memory_scope_semantics : require
+// HLSL, MSL and WGSL have textures and samplers apart.
+#define TSR_TEXTURE_TYPE texture2DArray
+#define TSR_WITH_SAMPLER(name) sampler2DArray(name, tsr_linear_sampler)
+#else
+#define TSR_TEXTURE_TYPE sampler2DArray
+#define TSR_WITH_SAMPLER(name) name
+#endif
 #define TSR_INOUT(type) inout type
 // The first statement of every loop body, where C++ counts rounds.
 #define TSR_LOOP

@@ -25,48 +25,48 @@ ivec4 tsr_pull(ivec4 difference, uvec4 most, TsrRing ring) {
 }
 
 // The change of x, in 1/256, by the four values of a ring, whose words are `at`.
-ivec4 tsr_ring_pull(TsrFormat format, TsrTarget target, ivec4 x, uvec4 at, int which) {
+ivec4 tsr_ring_pull(TsrFormat format, TsrTarget dest, ivec4 x, uvec4 at, int which) {
     TsrRing ring = tsr_ring(which);
     uvec4 most = uvec4(tsr_half_values(format) ? 65535u : 4095u);
-    ivec4 sum = tsr_pull(tsr_value_in(format, target, at.x) - x, most, ring) +
-                tsr_pull(tsr_value_in(format, target, at.y) - x, most, ring) +
-                tsr_pull(tsr_value_in(format, target, at.z) - x, most, ring) +
-                tsr_pull(tsr_value_in(format, target, at.w) - x, most, ring);
+    ivec4 sum = tsr_pull(tsr_value_in(format, dest, at.x) - x, most, ring) +
+                tsr_pull(tsr_value_in(format, dest, at.y) - x, most, ring) +
+                tsr_pull(tsr_value_in(format, dest, at.z) - x, most, ring) +
+                tsr_pull(tsr_value_in(format, dest, at.w) - x, most, ring);
     return sum * sign(ring.strength);
 }
 
 // Words of the four diagonal neighbours of (u, v), or of the edge, in the view that begins at
 // `view`.
-uvec4 tsr_diagonals(TsrTarget target, uint view, int u, int v, int distance) {
-    int nu = target.sides.x;
+uvec4 tsr_diagonals(TsrTarget dest, uint view, int u, int v, int distance) {
+    int nu = dest.sides.x;
     int left = max(u - distance, 0);
     int right = min(u + distance, nu - 1);
     int above = max(v - distance, 0) * nu;
-    int below = min(v + distance, target.sides.y - 1) * nu;
+    int below = min(v + distance, dest.sides.y - 1) * nu;
     return uvec4(view) +
            uvec4(uint(left + above), uint(right + above), uint(left + below), uint(right + below));
 }
 
-ivec4 tsr_filtered(TsrFormat format, TsrTarget target, int u, int v, int s, int t) {
-    uint here = tsr_value_at(target, u, v, s, t);
-    uint view = tsr_value_at(target, 0, 0, s, t);
-    uint one = uint(target.sides.x * target.sides.y); // words from one view to the next along s
-    uint row = one * uint(target.sides.z);            // and along t
-    uvec4 views = uvec4(here) + uvec4(s > 0 ? 0u - one : 0u, s + 1 < target.sides.z ? one : 0u,
-                                      t > 0 ? 0u - row : 0u, t + 1 < target.sides.w ? row : 0u);
-    ivec4 x = tsr_value_in(format, target, here);
-    ivec4 sum = tsr_ring_pull(format, target, x, tsr_diagonals(target, view, u, v, 1), 0) +
-                tsr_ring_pull(format, target, x, tsr_diagonals(target, view, u, v, 2), 1) +
-                tsr_ring_pull(format, target, x, views, 2);
+ivec4 tsr_filtered(TsrFormat format, TsrTarget dest, int u, int v, int s, int t) {
+    uint here = tsr_value_at(dest, u, v, s, t);
+    uint view = tsr_value_at(dest, 0, 0, s, t);
+    uint one = uint(dest.sides.x * dest.sides.y); // words from one view to the next along s
+    uint row = one * uint(dest.sides.z);            // and along t
+    uvec4 views = uvec4(here) + uvec4(s > 0 ? 0u - one : 0u, s + 1 < dest.sides.z ? one : 0u,
+                                      t > 0 ? 0u - row : 0u, t + 1 < dest.sides.w ? row : 0u);
+    ivec4 x = tsr_value_in(format, dest, here);
+    ivec4 sum = tsr_ring_pull(format, dest, x, tsr_diagonals(dest, view, u, v, 1), 0) +
+                tsr_ring_pull(format, dest, x, tsr_diagonals(dest, view, u, v, 2), 1) +
+                tsr_ring_pull(format, dest, x, views, 2);
     return x + ((sum + 128) >> 8);
 }
 
 void tsr_filter_texel(uint tile, uint texel) {
     if (tile >= tsr_header(tsr_b_tiles))
         return;
-    TsrTarget target = tsr_target(tile);
-    ivec4 n = max(target.sides, 1);
-    if (target.values == tsr_none || texel >= uint(n.x * n.y) * uint(n.z * n.w))
+    TsrTarget dest = tsr_target(tile);
+    ivec4 n = max(dest.sides, 1);
+    if (dest.values == tsr_none || texel >= uint(n.x * n.y) * uint(n.z * n.w))
         return;
     int left = int(texel);
     int u = left % n.x;
@@ -76,9 +76,9 @@ void tsr_filter_texel(uint tile, uint texel) {
     int s = left % n.z;
     int t = left / n.z;
     TsrFormat format = tsr_format();
-    ivec4 codes = tsr_codes(format, tsr_filtered(format, target, u, v, s, t));
-    tsr_write_texel(ivec3(tsr_place(target, u, v) + uvec3(uint(s), uint(t), 0u)),
-                    tsr_samples(format, tsr_corrected(format, target, codes, u, v, s, t)));
+    ivec4 codes = tsr_codes(format, tsr_filtered(format, dest, u, v, s, t));
+    tsr_write_texel(ivec3(tsr_place(dest, u, v) + uvec3(uint(s), uint(t), 0u)),
+                    tsr_samples(format, tsr_corrected(format, dest, codes, u, v, s, t)));
 }
 
 #ifndef __cplusplus

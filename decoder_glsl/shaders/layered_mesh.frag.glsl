@@ -1,8 +1,11 @@
 // Fragments of a mesh whose file has layers (FORMAT.md 5.6), as display values. The host defines
 // TESSERA_TEXTURES and, for each layer besides the diffuse one, which is texture 0, a macro with the
 // number of its texture: TESSERA_LAYER_EMISSION, _SPECULAR, _ROUGHNESS, _NORMAL, _VISIBILITY,
-// _REFLECTION, _COVERAGE, _ENVIRONMENT, _DIFFERENCE and _SHARED_DIFFERENCE. TESSERA_LIGHTS is the number of lights; it is not defined
-// if there are none. With TESSERA_COVERAGE_ONLY, the program is for the pass that draws depths.
+// _REFLECTION, _COVERAGE, _ENVIRONMENT, _DIFFERENCE and _SHARED_DIFFERENCE. TESSERA_LIGHTS is the
+// number of lights; it is not defined if there are none. With TESSERA_COVERAGE_ONLY, the program is
+// for the pass that draws depths. HLSL, MSL and WGSL have constants in place of these macros: see
+// layer_constants.glsl.
+#include "layer_constants.glsl"
 #include "sample.glsl"
 #include "layers.glsl"
 
@@ -13,7 +16,7 @@ layout(early_fragment_tests) in;
 layout(std140, TSR_UNIFORMS(1)) uniform TesseraLayers {
     vec4 tsr_scales[tsr_textures]; // of each texture: x is the scale, y is 1 for transfer sRGB
 #ifdef TESSERA_LIGHTS
-    vec4 tsr_lights[2 * TESSERA_LIGHTS]; // direction, spread; irradiance, peak of the visibility
+    vec4 tsr_lights[2 * TSR_ROOM_FOR_LIGHTS]; // direction, spread; irradiance, peak of the visibility
 #endif
 };
 
@@ -56,10 +59,10 @@ vec3 tsr_flat_value(int layer, vec2 covered) {
 
 bool tsr_is_hole() {
 #ifdef TESSERA_LAYER_COVERAGE
-    return tsr_flat_value(TESSERA_LAYER_COVERAGE, vec2(0.0)).x < tsr_least_coverage;
-#else
-    return false;
+    if (TSR_IF(TESSERA_LAYER_COVERAGE))
+        return tsr_flat_value(TESSERA_LAYER_COVERAGE, vec2(0.0)).x < tsr_least_coverage;
 #endif
+    return false;
 }
 
 #ifdef TESSERA_LIGHTS
@@ -81,25 +84,28 @@ TsrImages tsr_images(int mip, float share) {
 }
 
 float tsr_seen(TsrImages images, ivec3 light) {
-    return dot(images.shares, vec4(texelFetch(tsr_texels, images.low_low + light, 0).x,
-                                   texelFetch(tsr_texels, images.high_low + light, 0).x,
-                                   texelFetch(tsr_texels, images.low_high + light, 0).x,
-                                   texelFetch(tsr_texels, images.high_high + light, 0).x));
+    return dot(images.shares, vec4(tsr_texel(images.low_low + light).x,
+                                   tsr_texel(images.high_low + light).x,
+                                   tsr_texel(images.low_high + light).x,
+                                   tsr_texel(images.high_high + light).x));
 }
 #endif
 
 // Dimmer lights give no highlight. Where their share decides how much of the environment is seen,
 // all but the dimmest count.
+float tsr_least_highlight() {
 #ifdef TESSERA_LAYER_ENVIRONMENT
-const float tsr_least_highlight = 1e-8f;
-#else
-const float tsr_least_highlight = 1e-5f;
+    if (TSR_IF(TESSERA_LAYER_ENVIRONMENT))
+        return 1e-8f;
 #endif
+    return 1e-5f;
+}
 
 // The specular light of all lights.
 TsrLightSum tsr_light_of_lights(TsrReflectance reflectance, vec2 covered) {
 #ifdef TESSERA_LAYER_VISIBILITY
-    tsr_select(TESSERA_LAYER_VISIBILITY);
+    bool blocked = TSR_IF(TESSERA_LAYER_VISIBILITY);
+    tsr_select(blocked ? TESSERA_LAYER_VISIBILITY : 0);
     float mip = tsr_mip_for(tsr_texels_covered(covered));
     float second = mip - float(int(mip)); // share of the next mip
     TsrImages finer = tsr_images(int(mip), 1.0 - second);
@@ -119,10 +125,11 @@ TsrLightSum tsr_light_of_lights(TsrReflectance reflectance, vec2 covered) {
         ivec3 column = ivec3(j % columns, j / columns, 0);
         float seen = 0.0;
         // Most lights give no highlight here.
-        for (int i = max(light.x, max(light.y, light.z)) < tsr_least_highlight ? 2 : 0;
-             i < (second > 0.0 ? 2 : 1); ++i)
+        bool skipped = !blocked || max(light.x, max(light.y, light.z)) < tsr_least_highlight();
+        for (int i = skipped ? 2 : 0; i < (second > 0.0 ? 2 : 1); ++i)
             seen += i == 0 ? tsr_seen(finer, column) : tsr_seen(coarser, column);
-        share = min(seen / irradiance.w, 1.0);
+        if (blocked)
+            share = min(seen / irradiance.w, 1.0);
 #endif
         sum = tsr_with_light(sum, direction.w, light, share);
     }
@@ -168,7 +175,8 @@ void main() {
     vec3 normal = frame.z;
 #ifdef TESSERA_LAYER_NORMAL
     // A texture of two channels holds the second one as alpha.
-    normal = tsr_bumped_normal(frame, tsr_sample_flat(TESSERA_LAYER_NORMAL, covered).xw);
+    if (TSR_IF(TESSERA_LAYER_NORMAL))
+        normal = tsr_bumped_normal(frame, tsr_sample_flat(TESSERA_LAYER_NORMAL, covered).xw);
 #endif
     normal = tsr_facing_normal(normal, view);
     TsrMeshFrame mirror = frame;
@@ -176,38 +184,48 @@ void main() {
     vec3 light = tsr_flat_value(0, covered);
     vec3 reflected = vec3(1.0);
 #ifdef TESSERA_LAYER_SPECULAR
-    TsrReflectance reflectance =
-        TsrReflectance(normal, view, tsr_flat_value(TESSERA_LAYER_SPECULAR, covered), 1.0);
+    if (TSR_IF(TESSERA_LAYER_SPECULAR)) {
+        TsrReflectance reflectance =
+            TsrReflectance(normal, view, tsr_flat_value(TESSERA_LAYER_SPECULAR, covered), 1.0);
 #ifdef TESSERA_LAYER_ROUGHNESS
-    reflectance.roughness = tsr_flat_value(TESSERA_LAYER_ROUGHNESS, covered).x;
+        if (TSR_IF(TESSERA_LAYER_ROUGHNESS))
+            reflectance.roughness = tsr_flat_value(TESSERA_LAYER_ROUGHNESS, covered).x;
 #endif
-    reflected = tsr_reflection_share(reflectance);
+        reflected = tsr_reflection_share(reflectance);
 #ifdef TESSERA_LIGHTS
-    TsrLightSum sum = tsr_light_of_lights(reflectance, covered);
+        TsrLightSum sum = tsr_light_of_lights(reflectance, covered);
+        vec3 highlights = sum.points + sum.patches;
 #ifdef TESSERA_LAYER_ENVIRONMENT
-    light += tsr_with_environment(
-        sum,
-        reflected * tsr_environment(TESSERA_LAYER_ENVIRONMENT, mirror, view, reflectance.roughness),
-        reflectance.roughness);
-#else
-    light += sum.points + sum.patches;
+        if (TSR_IF(TESSERA_LAYER_ENVIRONMENT))
+            highlights = tsr_with_environment(
+                sum,
+                reflected * tsr_environment(TESSERA_LAYER_ENVIRONMENT, mirror, view,
+                                            reflectance.roughness),
+                reflectance.roughness);
 #endif
+        light += highlights;
 #endif
+    }
 #endif
 #ifdef TESSERA_LAYER_REFLECTION
-    tsr_select(TESSERA_LAYER_REFLECTION);
-    vec4 mirrored = tsr_sample_layer(tsr_taps_towards(mirror, view), covered);
-    light += reflected * tsr_value(TESSERA_LAYER_REFLECTION, mirrored);
+    if (TSR_IF(TESSERA_LAYER_REFLECTION)) {
+        tsr_select(TESSERA_LAYER_REFLECTION);
+        vec4 mirrored = tsr_sample_layer(tsr_taps_towards(mirror, view), covered);
+        light += reflected * tsr_value(TESSERA_LAYER_REFLECTION, mirrored);
+    }
 #endif
 #ifdef TESSERA_LAYER_EMISSION
-    light += tsr_flat_value(TESSERA_LAYER_EMISSION, covered);
+    if (TSR_IF(TESSERA_LAYER_EMISSION))
+        light += tsr_flat_value(TESSERA_LAYER_EMISSION, covered);
 #endif
     vec3 shown = vec3(tsr_displayed(light.x), tsr_displayed(light.y), tsr_displayed(light.z));
 #ifdef TESSERA_LAYER_DIFFERENCE
-    shown += tsr_difference(TESSERA_LAYER_DIFFERENCE, mirror, view, covered);
+    if (TSR_IF(TESSERA_LAYER_DIFFERENCE))
+        shown += tsr_difference(TESSERA_LAYER_DIFFERENCE, mirror, view, covered);
 #endif
 #ifdef TESSERA_LAYER_SHARED_DIFFERENCE
-    shown += tsr_difference(TESSERA_LAYER_SHARED_DIFFERENCE, mirror, view, covered);
+    if (TSR_IF(TESSERA_LAYER_SHARED_DIFFERENCE))
+        shown += tsr_difference(TESSERA_LAYER_SHARED_DIFFERENCE, mirror, view, covered);
 #endif
     tsr_colour = vec4(clamp(shown, 0.0, 1.0), 1.0);
 }

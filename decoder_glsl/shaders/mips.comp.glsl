@@ -6,13 +6,65 @@ layout(std430, binding = 1) readonly buffer TesseraJobs { uint tsr_jobs[]; };
 layout(std430, binding = 4) readonly buffer TesseraSampler { uint tsr_sampler[]; };
 #include "sampler_layout.glsl"
 
+#ifdef TSR_TRANSLATED
+// WebGPU cannot read and write one texture in a pass. The host copies the texels of the atlas to a
+// second texture, to which this pass writes.
 #ifdef TSR_OUTPUT_HALF
+layout(rgba16f, TSR_IMAGE(0)) writeonly uniform highp image2DArray tsr_to;
+#else
+layout(rgba8, TSR_IMAGE(0)) writeonly uniform highp image2DArray tsr_to;
+#endif
+layout(TSR_TEXTURE(0)) uniform highp texture2DArray tsr_from;
+#elif defined(TSR_OUTPUT_HALF)
 layout(rgba16ui, TSR_IMAGE(0)) writeonly uniform highp uimage2DArray tsr_to;
 layout(rgba16ui, TSR_IMAGE(1)) readonly uniform highp uimage2DArray tsr_from;
 #else
 layout(r32ui, TSR_IMAGE(0)) writeonly uniform highp uimage2DArray tsr_to;
 layout(r32ui, TSR_IMAGE(1)) readonly uniform highp uimage2DArray tsr_from;
 #endif
+
+// Samples of halves are added as floats, those of bytes as integers.
+#ifdef TSR_OUTPUT_HALF
+#define TSR_SUM_TYPE vec4
+#else
+#define TSR_SUM_TYPE uvec4
+#endif
+
+TSR_SUM_TYPE tsr_load(ivec3 at) {
+#ifdef TSR_TRANSLATED
+    vec4 texel = texelFetch(tsr_from, at, 0);
+#ifdef TSR_OUTPUT_HALF
+    return texel;
+#else
+    return uvec4(texel * 255.0 + 0.5);
+#endif
+#else
+    uvec4 pixel = imageLoad(tsr_from, at);
+#ifdef TSR_OUTPUT_HALF
+    return vec4(unpackHalf2x16(pixel.x | (pixel.y << 16)),
+                unpackHalf2x16(pixel.z | (pixel.w << 16)));
+#else
+    return uvec4(pixel.x & 255u, (pixel.x >> 8) & 255u, (pixel.x >> 16) & 255u, pixel.x >> 24);
+#endif
+#endif
+}
+
+void tsr_store(ivec3 at, TSR_SUM_TYPE mean) {
+#ifdef TSR_TRANSLATED
+#ifdef TSR_OUTPUT_HALF
+    imageStore(tsr_to, at, mean);
+#else
+    imageStore(tsr_to, at, vec4(mean) / 255.0);
+#endif
+#elif defined(TSR_OUTPUT_HALF)
+    uint low = packHalf2x16(mean.xy);
+    uint high = packHalf2x16(mean.zw);
+    imageStore(tsr_to, at, uvec4(low & 0xFFFFu, low >> 16, high & 0xFFFFu, high >> 16));
+#else
+    uint word = mean.x | (mean.y << 8) | (mean.z << 16) | (mean.w << 24);
+    imageStore(tsr_to, at, uvec4(word, 0u, 0u, 0u));
+#endif
+}
 
 // The first pixel of an angular image. u and v count the texels of all mips, as the axes do.
 ivec3 tsr_corner(uint page, int u, int v) {
@@ -46,36 +98,21 @@ ivec2 tsr_job_pair(int word) {
     return ivec2(int(tsr_jobs[word] & 0xFFFFu), int(tsr_jobs[word] >> 16));
 }
 
-// The mean of the texels of one chart from `low` to `high` in one direction, packed as texels are.
-uvec4 tsr_mean_of(uint page, uint chart, ivec2 low, ivec2 high, ivec3 angle) {
-#ifdef TSR_OUTPUT_HALF
-    vec4 sum = vec4(0.0);
-#else
-    uvec4 sum = uvec4(0u);
-#endif
+// The mean of the texels of one chart from `low` to `high` in one direction.
+TSR_SUM_TYPE tsr_mean_of(uint page, uint chart, ivec2 low, ivec2 high, ivec3 angle) {
+    TSR_SUM_TYPE sum = TSR_SUM_TYPE(0);
     uint texels = 0u;
     for (int v = low.y; v < high.y; ++v)
         for (int u = low.x; u < high.x; ++u) {
             if (tsr_chart(0, u, v) != chart)
                 continue;
-            uvec4 pixel = imageLoad(tsr_from, tsr_corner(page, u, v) + angle);
-#ifdef TSR_OUTPUT_HALF
-            sum += vec4(unpackHalf2x16(pixel.x | (pixel.y << 16)),
-                        unpackHalf2x16(pixel.z | (pixel.w << 16)));
-#else
-            sum += uvec4(pixel.x & 255u, (pixel.x >> 8) & 255u, (pixel.x >> 16) & 255u,
-                         pixel.x >> 24);
-#endif
+            sum += tsr_load(tsr_corner(page, u, v) + angle);
             ++texels;
         }
 #ifdef TSR_OUTPUT_HALF
-    vec4 mean = sum / float(texels);
-    uint low_two = packHalf2x16(mean.xy);
-    uint high_two = packHalf2x16(mean.zw);
-    return uvec4(low_two & 0xFFFFu, low_two >> 16, high_two & 0xFFFFu, high_two >> 16);
+    return sum / float(texels);
 #else
-    uvec4 mean = (2u * sum + texels) / (2u * texels);
-    return uvec4(mean.x | (mean.y << 8) | (mean.z << 16) | (mean.w << 24), 0u, 0u, 0u);
+    return (2u * sum + texels) / (2u * texels);
 #endif
 }
 
@@ -110,6 +147,6 @@ void main() {
                           tsr_mip_word(mip, tsr_mip_v) + at.y);
     for (int i = int(gl_LocalInvocationIndex); i < count.x * count.y; i += 64) {
         ivec3 angle = ivec3(first.x + i % count.x, first.y + i / count.x, 0);
-        imageStore(tsr_to, to + angle, tsr_mean_of(page, chart, low, high, angle));
+        tsr_store(to + angle, tsr_mean_of(page, chart, low, high, angle));
     }
 }

@@ -23,11 +23,13 @@
 //   TESSERA_BINDING_MARKS       5  storage buffer, written, one word per tile: tile cache only
 //   TESSERA_BINDING_PARAMETERS  2  uniform block: the first 128 bytes of SAMPLER
 //   TESSERA_UNIT_TEXELS         0  sampler2DArray
+//   TESSERA_UNIT_SAMPLER       11  the linear sampler, where it is apart from the texture
 // The host class SampledTexture (gl_sampled_texture.h) fills and binds them.
 //
 // With TESSERA_TEXTURES defined as N, there are N plain textures. Their bindings count up from those
 // above, and tsr_select(i) chooses the one that is sampled, which must be the same in all
-// invocations. OpenGL ES has no such arrays.
+// invocations. OpenGL ES, HLSL, MSL and WGSL share one storage buffer and one uniform block between
+// the textures: see texture_list.glsl.
 //
 // With a tile cache, a sample of a missing tile returns coarse texels and marks the tile, so that
 // the host decodes it.
@@ -45,6 +47,9 @@
 #ifndef TESSERA_UNIT_TEXELS
 #define TESSERA_UNIT_TEXELS 0
 #endif
+#ifndef TESSERA_UNIT_SAMPLER
+#define TESSERA_UNIT_SAMPLER 11
+#endif
 #include "dialect.glsl"
 #include "sampler_layout.glsl"
 #include "surface.glsl"
@@ -52,6 +57,12 @@
 
 // The parameters are the first words of the sampler again. Pixels share reads of uniforms, but each
 // pixel reads words of a buffer itself.
+#if defined(TSR_TRANSLATED) && defined(TESSERA_HARDWARE_FILTER)
+layout(TSR_TEXTURE(TESSERA_UNIT_SAMPLER)) uniform sampler tsr_linear_sampler;
+#endif
+#if defined(TESSERA_TEXTURES) && (defined(TSR_TRANSLATED) || defined(TSR_ES310))
+#include "texture_list.glsl"
+#else
 #ifdef TESSERA_TEXTURES
 const int tsr_textures = TESSERA_TEXTURES;
 int tsr_selected = 0;
@@ -80,17 +91,30 @@ layout(std430, binding = TESSERA_BINDING_SAMPLER) restrict readonly buffer Tesse
 layout(std140, TSR_UNIFORMS(TESSERA_BINDING_PARAMETERS)) uniform TesseraParameters {
     uvec4 tsr_parameters[tsr_sampler_words / 4];
 };
-layout(TSR_TEXTURE(TESSERA_UNIT_TEXELS)) uniform highp sampler2DArray tsr_texels;
+layout(TSR_TEXTURE(TESSERA_UNIT_TEXELS)) uniform highp TSR_TEXTURE_TYPE tsr_texels;
 #endif
 
 uint tsr_word(int i) {
     return tsr_sampler[i];
 }
+uvec4 tsr_parameters_from(int field) {
+    return tsr_parameters[field >> 2];
+}
+vec4 tsr_texel(ivec3 at) {
+    return texelFetch(tsr_texels, at, 0);
+}
+#ifdef TESSERA_HARDWARE_FILTER
+vec4 tsr_filtered_texel(vec3 place) {
+    return textureLod(TSR_WITH_SAMPLER(tsr_texels), place, 0.0);
+}
+#endif
+#endif
+
 uint tsr_parameter(int field) {
-    return tsr_parameters[field >> 2][field & 3];
+    return tsr_parameters_from(field)[field & 3];
 }
 ivec4 tsr_four(int field) {
-    return ivec4(tsr_parameters[field >> 2]);
+    return ivec4(tsr_parameters_from(field));
 }
 
 // Unpacks a texel: 8-bit samples in the first word, or halves in both.
@@ -156,10 +180,10 @@ vec2 tsr_beyond(TsrAngularTaps taps) {
 }
 
 vec4 tsr_fetched(ivec3 image, ivec4 s, ivec4 t, vec4 shares) {
-    return tsr_sum4(texelFetch(tsr_texels, image + ivec3(s.x, t.x, 0), 0),
-                    texelFetch(tsr_texels, image + ivec3(s.y, t.y, 0), 0),
-                    texelFetch(tsr_texels, image + ivec3(s.z, t.z, 0), 0),
-                    texelFetch(tsr_texels, image + ivec3(s.w, t.w, 0), 0), shares);
+    return tsr_sum4(tsr_texel(image + ivec3(s.x, t.x, 0)),
+                    tsr_texel(image + ivec3(s.y, t.y, 0)),
+                    tsr_texel(image + ivec3(s.z, t.z, 0)),
+                    tsr_texel(image + ivec3(s.w, t.w, 0)), shares);
 }
 
 #ifdef TESSERA_HARDWARE_FILTER
@@ -167,7 +191,7 @@ vec4 tsr_fetched(ivec3 image, ivec4 s, ivec4 t, vec4 shares) {
 vec4 tsr_filtered(ivec3 pixel, vec2 beyond) {
     vec2 size = vec2(float(tsr_parameter(tsr_p_width)), float(tsr_parameter(tsr_p_height)));
     vec2 place = (vec2(float(pixel.x), float(pixel.y)) + vec2(0.5) + beyond) / size;
-    return textureLod(tsr_texels, vec3(place.x, place.y, float(pixel.z)), 0.0);
+    return tsr_filtered_texel(vec3(place.x, place.y, float(pixel.z)));
 }
 #endif
 

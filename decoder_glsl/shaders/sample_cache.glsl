@@ -192,9 +192,7 @@ vec4 tsr_images_in_parts(bool wanted, TsrImage i0, TsrImage i1, TsrImage i2, Tsr
         whole = whole && page != tsr_page_missing;
         vec4 texel = tsr_background();
         if (page < tsr_page_background)
-            texel = texelFetch(tsr_texels,
-                               tsr_cache_image(page, i.c) +
-                                   ivec3(i.a.s[k & 3], i.a.t[k & 3], 0), 0);
+            texel = tsr_texel(tsr_cache_image(page, i.c) + ivec3(i.a.s[k & 3], i.a.t[k & 3], 0));
         image += i.taps.shares[k & 3] * texel;
         if ((k & 3) == 3) {
             bool stands_in = !whole && tsr_parameter(tsr_p_has_coarse) != 0u;

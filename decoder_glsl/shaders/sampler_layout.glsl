@@ -27,6 +27,7 @@ const int tsr_p_mip_at = 27;      // word of their table, which begins with leve
 const int tsr_p_slot_u = 28;
 const int tsr_p_slot_v = 29;
 const int tsr_p_inside = 30; // 1: a sphere that is seen from inside
+const int tsr_p_words_at = 31; // where the words begin in a buffer of several textures
 const int tsr_sampler_words = 32;
 
 // ---- The axes of u and v have one word per texel, so that sampling needs no division:

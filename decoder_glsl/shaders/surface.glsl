@@ -20,9 +20,9 @@ struct TsrSurfaceFootprint {
 // The four texels of an angular image around a direction: s is low.x or high.x, t is low.y or
 // high.y.
 struct TsrAngularFootprint {
+    vec2 weight; // of high. First, because Tint confuses structures that have the same members.
     ivec2 low;
     ivec2 high;
-    vec2 weight; // of high
 };
 
 // The local frame at a surface texel: sine (x) and cosine (y) of its longitude and latitude.

@@ -5,7 +5,22 @@
 #include "colour.glsl"
 
 #ifndef __cplusplus
+#ifdef TSR_TRANSLATED
+// WebGPU cannot write words to an image of bytes or halves, so these are written as numbers.
 #ifdef TSR_OUTPUT_HALF
+layout(rgba16f, TSR_IMAGE(0)) writeonly uniform highp image2DArray tsr_image;
+void tsr_write_texel(ivec3 at, uvec4 samples) {
+    vec2 a = unpackHalf2x16(samples.x | (samples.y << 16));
+    vec2 b = unpackHalf2x16(samples.z | (samples.w << 16));
+    imageStore(tsr_image, at, vec4(a.x, a.y, b.x, b.y));
+}
+#else
+layout(rgba8, TSR_IMAGE(0)) writeonly uniform highp image2DArray tsr_image;
+void tsr_write_texel(ivec3 at, uvec4 samples) {
+    imageStore(tsr_image, at, vec4(samples) / 255.0);
+}
+#endif
+#elif defined(TSR_OUTPUT_HALF)
 layout(rgba16ui, TSR_IMAGE(0)) writeonly uniform highp uimage2DArray tsr_image;
 void tsr_write_texel(ivec3 at, uvec4 samples) {
     imageStore(tsr_image, at, samples);
@@ -63,32 +78,32 @@ TsrTarget tsr_target(uint tile) {
 }
 
 // The pixel of the tile's texel (u, v, 0, 0).
-uvec3 tsr_place(TsrTarget target, int u, int v) {
-    uvec2 all = target.first + uvec2(uint(u), uint(v));
-    uvec2 fold = uvec2(all.x / target.fold.x, all.y / target.fold.y);
-    return target.pixel + uvec3((all.x - fold.x * target.fold.x) * target.stride.x,
-                                (all.y - fold.y * target.fold.y) * target.stride.y,
-                                fold.y * target.folds_u + fold.x);
+uvec3 tsr_place(TsrTarget dest, int u, int v) {
+    uvec2 all = dest.first + uvec2(uint(u), uint(v));
+    uvec2 fold = uvec2(all.x / dest.fold.x, all.y / dest.fold.y);
+    return dest.pixel + uvec3((all.x - fold.x * dest.fold.x) * dest.stride.x,
+                                (all.y - fold.y * dest.fold.y) * dest.stride.y,
+                                fold.y * dest.folds_u + fold.x);
 }
 
 // The number of a texel in its tile (FORMAT.md part 2).
-uint tsr_texel_number(TsrTarget target, int u, int v, int s, int t) {
-    return uint(((v * target.sides.x + u) * target.sides.w + t) * target.sides.z + s);
+uint tsr_texel_number(TsrTarget dest, int u, int v, int s, int t) {
+    return uint(((v * dest.sides.x + u) * dest.sides.w + t) * dest.sides.z + s);
 }
 
-ivec4 tsr_corrected(TsrFormat format, TsrTarget target, ivec4 codes, int u, int v, int s, int t) {
-    if (target.multipliers == tsr_none)
+ivec4 tsr_corrected(TsrFormat format, TsrTarget dest, ivec4 codes, int u, int v, int s, int t) {
+    if (dest.multipliers == tsr_none)
         return codes;
     int planes = format.planes;
-    uint texel = tsr_texel_number(target, u, v, s, t);
-    uint at = target.multipliers + texel * uint(planes);
+    uint texel = tsr_texel_number(dest, u, v, s, t);
+    uint at = dest.multipliers + texel * uint(planes);
     ivec4 multiplier =
         ivec4(int(tsr_work_word(at)), planes > 1 ? int(tsr_work_word(at + 1u)) : 0,
               planes > 2 ? int(tsr_work_word(at + 2u)) : 0,
               planes > 3 ? int(tsr_work_word(at + 3u)) : 0);
     // Steps are below 2^17 and a product that large leaves the range of codes anyway.
-    ivec4 limit = ivec4(65536 / max(target.step, 1) + 1);
-    return clamp(codes + clamp(multiplier, -limit, limit) * target.step, format.smallest,
+    ivec4 limit = ivec4(65536 / max(dest.step, 1) + 1);
+    return clamp(codes + clamp(multiplier, -limit, limit) * dest.step, format.smallest,
                  format.largest);
 }
 
@@ -102,10 +117,10 @@ int tsr_stored_code(TsrFormat format, uint at) {
 }
 
 // The codes of a texel of a stored tile (FORMAT.md 3.2).
-ivec4 tsr_stored(TsrFormat format, TsrTarget target, int u, int v, int s, int t) {
+ivec4 tsr_stored(TsrFormat format, TsrTarget dest, int u, int v, int s, int t) {
     int planes = format.planes;
     uint size = format.half_floats ? 2u : 1u;
-    uint at = target.stored + tsr_texel_number(target, u, v, s, t) * uint(planes) * size;
+    uint at = dest.stored + tsr_texel_number(dest, u, v, s, t) * uint(planes) * size;
     return ivec4(tsr_stored_code(format, at),
                  planes > 1 ? tsr_stored_code(format, at + size) : 0,
                  planes > 2 ? tsr_stored_code(format, at + 2u * size) : 0,
@@ -114,22 +129,22 @@ ivec4 tsr_stored(TsrFormat format, TsrTarget target, int u, int v, int s, int t)
 
 // Word of a texel's kept values: planes 0 and 1, or plane 0 of halves. The others follow at
 // multiples of tsr_value_stride().
-uint tsr_value_at(TsrTarget target, int u, int v, int s, int t) {
-    return target.values +
-           uint(((t * target.sides.z + s) * target.sides.y + v) * target.sides.x + u);
+uint tsr_value_at(TsrTarget dest, int u, int v, int s, int t) {
+    return dest.values +
+           uint(((t * dest.sides.z + s) * dest.sides.y + v) * dest.sides.x + u);
 }
-uint tsr_tile_texels(TsrTarget target) {
-    return uint(target.sides.x * target.sides.y) * uint(target.sides.z * target.sides.w);
+uint tsr_tile_texels(TsrTarget dest) {
+    return uint(dest.sides.x * dest.sides.y) * uint(dest.sides.z * dest.sides.w);
 }
-uint tsr_value_stride(TsrTarget target) {
-    return tsr_tile_texels(target) + uint(target.base_sides.x * target.base_sides.y);
+uint tsr_value_stride(TsrTarget dest) {
+    return tsr_tile_texels(dest) + uint(dest.base_sides.x * dest.base_sides.y);
 }
 // The same for the texel of the base picture at (u, v), or at its edge. Its values follow the
 // tile's.
-uint tsr_base_value_at(TsrTarget target, int u, int v) {
-    return target.values + tsr_tile_texels(target) +
-           uint(clamp(v, 0, max(target.base_sides.y - 1, 0)) * target.base_sides.x +
-                clamp(u, 0, max(target.base_sides.x - 1, 0)));
+uint tsr_base_value_at(TsrTarget dest, int u, int v) {
+    return dest.values + tsr_tile_texels(dest) +
+           uint(clamp(v, 0, max(dest.base_sides.y - 1, 0)) * dest.base_sides.x +
+                clamp(u, 0, max(dest.base_sides.x - 1, 0)));
 }
 
 // Whether values are those of halves. The host compiles shaders for one sample type.
@@ -157,9 +172,9 @@ int tsr_one_value(uint word) {
 }
 
 // The values of all planes, the first of which is at word `at`.
-ivec4 tsr_value_in(TsrFormat format, TsrTarget target, uint at) {
+ivec4 tsr_value_in(TsrFormat format, TsrTarget dest, uint at) {
     int planes = format.planes;
-    uint stride = tsr_value_stride(target);
+    uint stride = tsr_value_stride(dest);
     if (tsr_half_values(format))
         return ivec4(tsr_one_value(tsr_work_word(at)),
                      planes > 1 ? tsr_one_value(tsr_work_word(at + stride)) : 0,
@@ -171,16 +186,16 @@ ivec4 tsr_value_in(TsrFormat format, TsrTarget target, uint at) {
 }
 
 // The values at (u, v), or at the tile's edge, of the view (s, t).
-ivec4 tsr_value(TsrFormat format, TsrTarget target, int u, int v, int s, int t) {
-    return tsr_value_in(format, target,
-                        tsr_value_at(target, clamp(u, 0, target.sides.x - 1),
-                                     clamp(v, 0, target.sides.y - 1), s, t));
+ivec4 tsr_value(TsrFormat format, TsrTarget dest, int u, int v, int s, int t) {
+    return tsr_value_in(format, dest,
+                        tsr_value_at(dest, clamp(u, 0, dest.sides.x - 1),
+                                     clamp(v, 0, dest.sides.y - 1), s, t));
 }
 
 // `at`: the value's first word, as in tsr_value_in().
-void tsr_keep_value(TsrFormat format, TsrTarget target, ivec4 value, uint at) {
+void tsr_keep_value(TsrFormat format, TsrTarget dest, ivec4 value, uint at) {
     int planes = format.planes;
-    uint stride = tsr_value_stride(target);
+    uint stride = tsr_value_stride(dest);
     uvec4 word = uvec4(value);
     if (!tsr_half_values(format)) {
         tsr_set_work(at, (word.x & 0xFFFFu) | (word.y << 16));

@@ -34,7 +34,7 @@ struct TsrItem {
     int plane_before; // words from one plane to the next, before pass s and after it
     int plane_after;
     TsrFormat format;
-    TsrTarget target;
+    TsrTarget dest;
 };
 
 TsrItem tsr_item(uint number) {
@@ -63,7 +63,7 @@ TsrItem tsr_item(uint number) {
     item.plane_after = item.patch_of.support_t * item.patch_of.sides.z * item.positions;
     item.later = item.patch_of.planes * item.plane_before;
     item.format = tsr_format();
-    item.target = tsr_target(item.tile);
+    item.dest = tsr_target(item.tile);
     return item;
 }
 
@@ -189,13 +189,13 @@ struct TsrValues {
 };
 
 // A pass along an axis of n texels, for its texel x: sums the first `support` frequencies.
-// Frequency 0 is at word `from`, the next one `step` words further on, and the next plane `plane`
+// Frequency 0 is at word `first`, the next one `step` words further on, and the next plane `plane`
 // words further on.
-TsrValues tsr_sum_along(TsrItem item, int n, int x, int support, int from, int step, int plane) {
+TsrValues tsr_sum_along(TsrItem item, int n, int x, int support, int first, int step, int plane) {
     bool has_alpha = item.patch_of.planes > 3;
     TsrValues values;
-    values.colour = tsr_get_planes(item, from, plane);
-    values.alpha = ivec3(has_alpha ? tsr_get(from + 3 * plane) : 0, 0, 0);
+    values.colour = tsr_get_planes(item, first, plane);
+    values.alpha = ivec3(has_alpha ? tsr_get(first + 3 * plane) : 0, 0, 0);
     // The basis of frequency 0 is 1, so its sum alone is the value itself.
     if (support < 2)
         return values;
@@ -205,7 +205,7 @@ TsrValues tsr_sum_along(TsrItem item, int n, int x, int support, int from, int s
     for (int k = 0; k < support; ++k) {
         TSR_LOOP;
         uint b = tsr_table(basis + k * n);
-        int at = from + k * step;
+        int at = first + k * step;
         tsr_add_clamped(colour, b, tsr_get_planes(item, at, plane));
         if (has_alpha)
             tsr_add_clamped(alpha, b, ivec3(tsr_get(at + 3 * plane), 0, 0));
@@ -242,11 +242,11 @@ void tsr_sum_s(TsrItem item, int lane) {
 }
 
 // The values `steps` displacements away from (u, v) in the view (s, t), times 4, or times 16 for
-// smooth copies (C of FORMAT.md 4.6). `move`: a copy record. The first taps are the texels that the
+// smooth copies (C of FORMAT.md 4.6). `record`: a copy record. The first taps are the texels that the
 // position lies on or between, the others are those beside them.
-ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) {
-    int x = 2 * u + steps * (int(move << 8u) >> 24);
-    int y = 2 * v + steps * (int(move) >> 24);
+ivec4 tsr_moved(TsrItem item, uint record, int steps, int u, int v, int s, int t) {
+    int x = 2 * u + steps * (int(record << 8u) >> 24);
+    int y = 2 * v + steps * (int(record) >> 24);
     int f = x & 1;
     int g = y & 1;
     int halves = f + g;
@@ -267,15 +267,15 @@ ivec4 tsr_moved(TsrItem item, uint move, int steps, int u, int v, int s, int t) 
             b = vertical ? side : along;
         }
         sum += (k < between ? weight : 2 - halves) *
-               tsr_value(item.format, item.target, (x >> 1) + a, (y >> 1) + b, s, t);
+               tsr_value(item.format, item.dest, (x >> 1) + a, (y >> 1) + b, s, t);
     }
     return sum;
 }
 
 // The values that a texel of the tile copies from the base picture (FORMAT.md 4.6).
 ivec4 tsr_from_base(TsrItem item, int u, int v, int s, int t) {
-    int x = (s - (item.target.sides.z - 1) / 2) * (int(item.copies << 8u) >> 24);
-    int y = (t - (item.target.sides.w - 1) / 2) * (int(item.copies) >> 24);
+    int x = (s - (item.dest.sides.z - 1) / 2) * (int(item.copies << 8u) >> 24);
+    int y = (t - (item.dest.sides.w - 1) / 2) * (int(item.copies) >> 24);
     int margin = int(tsr_table(tsr_t_base_margin));
     int i = u + margin + (x >> 3) - 2;
     int j = v + margin + (y >> 3) - 2;
@@ -287,8 +287,8 @@ ivec4 tsr_from_base(TsrItem item, int u, int v, int s, int t) {
         ivec4 row = ivec4(2);
         for (int a = 0; a < tsr_base_taps; ++a)
             row += int(tsr_table(along_u + a)) *
-                   tsr_value_in(item.format, item.target,
-                                tsr_base_value_at(item.target, i + a, j + b));
+                   tsr_value_in(item.format, item.dest,
+                                tsr_base_value_at(item.dest, i + a, j + b));
         sum += int(tsr_table(along_v + b)) * (row >> 2);
     }
     return sum >> 10;
@@ -315,9 +315,9 @@ ivec4 tsr_predicted(TsrItem item, ivec4 values, int u, int v, int s, int t) {
     if ((item.copies & tsr_copy_of_border) != 0u)
         limit *= 2;
     ivec4 value = clamp(values + copied, -limit, limit - 1);
-    tsr_keep_value(item.format, item.target, value,
-                   of_base ? tsr_base_value_at(item.target, u, v)
-                           : tsr_value_at(item.target, u, v, s, t));
+    tsr_keep_value(item.format, item.dest, value,
+                   of_base ? tsr_base_value_at(item.dest, u, v)
+                           : tsr_value_at(item.dest, u, v, s, t));
     return value;
 }
 
@@ -338,7 +338,7 @@ void tsr_sum_t(TsrItem item, int lane) {
     int row_v = place / nu;
     int u = item.origin.x + place - row_v * nu;
     int v = item.origin.y + row_v;
-    uvec3 pixel = tsr_place(item.target, u, v);
+    uvec3 pixel = tsr_place(item.dest, u, v);
     for (int s = share.first; s < item.patch_of.sides.z; s += share.step) {
         ivec4 values = ivec4(0);
         ivec4 codes = ivec4(0);
@@ -351,7 +351,7 @@ void tsr_sum_t(TsrItem item, int lane) {
             if (changes)
                 values = tsr_sum_t_at(item, s, t, share.position);
 #ifdef TSR_PREDICTED_TILES
-            if (item.target.values != tsr_none) {
+            if (item.dest.values != tsr_none) {
                 ivec4 value = tsr_predicted(item, values, u, v, in_s, in_t);
                 if (item.format.filtered ||
                     (item.copies & (tsr_copy_of_base | tsr_copy_of_border)) != 0u)
@@ -359,11 +359,11 @@ void tsr_sum_t(TsrItem item, int lane) {
                 codes = tsr_codes(item.format, value);
             } else
 #endif
-            if (item.target.stored != tsr_none)
-                codes = tsr_stored(item.format, item.target, u, v, in_s, in_t);
+            if (item.dest.stored != tsr_none)
+                codes = tsr_stored(item.format, item.dest, u, v, in_s, in_t);
             else if (changes)
                 codes = tsr_codes(item.format, values);
-            ivec4 corrected = tsr_corrected(item.format, item.target, codes, u, v, in_s, in_t);
+            ivec4 corrected = tsr_corrected(item.format, item.dest, codes, u, v, in_s, in_t);
             tsr_write_texel(ivec3(pixel + uvec3(uint(in_s), uint(in_t), 0u)),
                             tsr_samples(item.format, corrected));
         }

@@ -6,6 +6,7 @@ struct TsrNode {
     uint place; // origin, as in tsr_k_place
     uint shape;
     uint depths; // spatial splits above | angular splits << 8
+    bool of_base; // of the base picture's tree
 };
 
 // Word of a shape's record with the children of a split: 1 along u and v, 2 along s and t, 3 along
@@ -34,6 +35,7 @@ TsrNode tsr_child(TsrNode parent, int split, uint child) {
     node.place = (parent.place + moved) & tsr_place_mask;
     node.shape = (ids >> ((child & 1u) * 16u)) & 0xFFFFu;
     node.depths = parent.depths + (angular ? 256u : 1u);
+    node.of_base = parent.of_base;
     return node;
 }
 
@@ -114,7 +116,7 @@ void tsr_add_leaf(TSR_INOUT(TsrTree) tree, TsrNode leaf) {
     tree.blocks += 1u;
     if (tsr_table(tsr_t_predicts) == 0u)
         return;
-    bool of_picture = tree.is_picture || leaf.depths >= tsr_depths_of_base;
+    bool of_picture = tree.is_picture || leaf.of_base;
     if (of_picture || tree.has_base)
         tree.copies_base = tsr_pass_mode_or_base(tree, of_picture, tsr_copy(tree.tile, number));
     if (!of_picture && !tree.copies_base)
@@ -173,6 +175,7 @@ void tsr_decode_tree(uint tile) {
     stack[0].place = 0u;
     stack[0].shape = tsr_tile(tile, tsr_tile_shape);
     stack[0].depths = 0u;
+    stack[0].of_base = false;
     int waiting = 1;
     uint room = min(tsr_tile(tile, tsr_tile_block_room), uint(tsr_max_blocks));
     uint base = tsr_tile(tile, tsr_tile_base);
@@ -182,6 +185,7 @@ void tsr_decode_tree(uint tile) {
         stack[1].place = 0u;
         stack[1].shape = base;
         stack[1].depths = tsr_depths_of_base;
+        stack[1].of_base = true;
         waiting = 2;
     }
     for (int step = 0; step < tsr_max_nodes && waiting > 0; ++step) {

@@ -12,8 +12,8 @@ struct TsrWalk {
     int basis_u;  // words of the basis at frequency 0
     int basis_v;
     uint key;     // frequency of the previous coefficient
-    TsrSum line;
-    TsrSum column;
+    TsrSum line_sum;
+    TsrSum column_sum;
     ivec3 line_value;   // used instead of the sum along a side of 1, which has no pass
     ivec3 column_value;
 };
@@ -28,29 +28,29 @@ TsrWalk tsr_start_walk(ivec4 sides, uint sines, ivec2 place) {
     w.basis_v =
         ((sines & 2u) != 0u ? tsr_sine_basis_of(sides.y) : tsr_basis_of(sides.y)) + place.y;
     w.key = 0u;
-    w.line = tsr_no_sum();
-    w.column = tsr_no_sum();
+    w.line_sum = tsr_no_sum();
+    w.column_sum = tsr_no_sum();
     w.line_value = ivec3(0);
     w.column_value = ivec3(0);
     return w;
 }
 
 void tsr_end_line(TSR_INOUT(TsrWalk) w) {
-    ivec3 value = w.sides.x > 1 ? tsr_rounded(w.line) : w.line_value;
+    ivec3 value = w.sides.x > 1 ? tsr_rounded(w.line_sum) : w.line_value;
     int k = int((w.key >> 5) & 31u);
     if (w.sides.y > 1)
-        tsr_add(w.column, tsr_table(w.basis_v + k * w.sides.y), value);
+        tsr_add(w.column_sum, tsr_table(w.basis_v + k * w.sides.y), value);
     else
         w.column_value = value;
-    w.line = tsr_no_sum();
+    w.line_sum = tsr_no_sum();
     w.line_value = ivec3(0);
 }
 
 // Ends the column of w.key and returns its value at (u, v).
 ivec3 tsr_end_column(TSR_INOUT(TsrWalk) w) {
     tsr_end_line(w);
-    ivec3 value = w.sides.y > 1 ? tsr_rounded(w.column) : w.column_value;
-    w.column = tsr_no_sum();
+    ivec3 value = w.sides.y > 1 ? tsr_rounded(w.column_sum) : w.column_value;
+    w.column_sum = tsr_no_sum();
     w.column_value = ivec3(0);
     return value;
 }
@@ -62,7 +62,7 @@ void tsr_walk_on(TSR_INOUT(TsrWalk) w, uvec4 coefficient) {
     w.key = coefficient.x;
     ivec3 value = ivec3(int(coefficient.y), int(coefficient.z), int(coefficient.w));
     if (w.sides.x > 1)
-        tsr_add(w.line, tsr_table(w.basis_u + int(coefficient.x & 31u) * w.sides.x), value);
+        tsr_add(w.line_sum, tsr_table(w.basis_u + int(coefficient.x & 31u) * w.sides.x), value);
     else
         w.line_value = ivec3(uvec3(w.line_value) + uvec3(value)); // unsigned, so that it wraps
 }

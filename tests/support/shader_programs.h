@@ -42,7 +42,8 @@ inline std::vector<std::vector<ShaderDefine>> sampling_variants() {
 // Every program, and one variant for each switch that only the host sets: a macro that the program
 // tests with #ifdef and that no file defines.
 inline std::vector<ShaderProgram> shader_programs() {
-    std::set<std::string> defined = {"__cplusplus", "TSR_GL450", "TSR_ES310", "TSR_VULKAN"};
+    std::set<std::string> defined = {"__cplusplus", "TSR_GL450", "TSR_ES310", "TSR_VULKAN",
+                                     "TSR_TRANSLATED"};
     for (const ShaderFile& file : shader_files())
         defined.merge(names_after(file.text, "#define "));
     std::vector<ShaderProgram> programs;
