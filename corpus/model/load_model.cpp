@@ -1,6 +1,7 @@
 #include "corpus/model/readers.h"
 
 #include "format/byte_source.h"
+#include "format/output_file.h"
 
 #include <algorithm>
 #include <exception>
@@ -61,8 +62,8 @@ bool is_model_path(const std::string& path) {
 }
 
 std::string folder_of(const std::string& path) {
-    const std::size_t slash = path.find_last_of('/');
-    return slash == std::string::npos ? "." : path.substr(0, slash);
+    const std::string folder = to_path(path).parent_path().string();
+    return folder.empty() ? "." : folder;
 }
 
 Result<Model> load_model(const std::string& path) {

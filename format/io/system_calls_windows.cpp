@@ -284,7 +284,7 @@ std::string reason(int error) {
 namespace tessera {
 
 std::filesystem::path to_path(const std::string& utf8) {
-    return sys::utf16_of(utf8);
+    return sys::wide(utf8);
 }
 
 } // namespace tessera

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tests/support/test_folder.h"
+#include "tests/support/tool_under_test.h"
 #include "tools/support/json_text.h"
 
 #include <algorithm>
@@ -40,9 +41,10 @@ protected:
     // example "ulimit -f 8;" or "cat a |". `input` is the redirection of standard input.
     Outcome run(const std::string& arguments, const std::string& before = "",
                 const std::string& input = "</dev/null") const {
-        const std::string command =
-            "cd '" + folder_.string() + "' && " + before + " '" + TESSERA_TOOL + "' " + arguments +
-            " >'" + (base_ / "out").string() + "' 2>'" + (base_ / "err").string() + "' " + input;
+        const std::string command = "cd '" + folder_.string() + "' && " + before + " '" +
+                                    tool_under_test() + "' " + arguments + " >'" +
+                                    (base_ / "out").string() + "' 2>'" + (base_ / "err").string() +
+                                    "' " + input;
         const int status = std::system(command.c_str());
         Outcome outcome;
         outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

@@ -143,7 +143,7 @@ TEST_F(CliStream, StandardOutputTakesFilesAndRawSamples) {
         fail(1, std::string(verb) + " -o - --json", {"--json and -o -"});
     fail(1, encode + "-o - --resume", {"--resume", "journal"});
     EXPECT_EQ(names(), (std::vector<std::string>{"a.rgb", "a.tess", "b.tess", "part.rgb"}));
-    const std::string full = "cd '" + folder_.string() + "' && '" + TESSERA_TOOL +
+    const std::string full = "cd '" + folder_.string() + "' && '" + tool_under_test() +
                              "' decode a.tess -q -o - >/dev/full 2>/dev/null";
     EXPECT_EQ(WEXITSTATUS(std::system(full.c_str())), 2);
 }

@@ -229,7 +229,7 @@ TEST_F(Cli, LeavesNoPartialFile) {
 
 TEST_F(Cli, ReportsFullStandardOutput) {
     succeed(small_scene + quick + "-q -o a.tess");
-    const std::string command = "cd '" + folder_.string() + "' && '" + TESSERA_TOOL +
+    const std::string command = "cd '" + folder_.string() + "' && '" + tool_under_test() +
                                 "' info a.tess >/dev/full 2>/dev/null";
     const int status = std::system(command.c_str());
     EXPECT_EQ(WEXITSTATUS(status), 2);

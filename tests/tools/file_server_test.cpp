@@ -6,6 +6,7 @@
 #include "tools/server/file_server_ranges.h"
 
 #include <arpa/inet.h>
+#include <chrono>
 #include <fstream>
 #include <mutex>
 #include <netinet/in.h>
@@ -161,6 +162,15 @@ TEST_F(Serve, HonoursConditionalRequests) {
     fs::last_write_time(base_ / "root" / "a.tess",
                         fs::file_time_type::clock::now() - std::chrono::hours(3));
     EXPECT_EQ(asked("If-Match: " + etag), "412");
+}
+
+TEST_F(Serve, SaysWhenAFileChanged) {
+    constexpr std::chrono::seconds since_1970{784111777};
+    fs::last_write_time(base_ / "root" / "a.tess",
+                        std::chrono::file_clock::from_sys(std::chrono::sys_seconds(since_1970)));
+    const std::string answer = ask("GET", "/a.tess");
+    EXPECT_EQ(field(answer, "Last-Modified"), "Sun, 06 Nov 1994 08:49:37 GMT");
+    EXPECT_EQ(field(answer, "ETag"), "\"a-2ebc98a1-0\"");
 }
 
 TEST_F(Serve, StaysInsideItsFolder) {

@@ -30,10 +30,11 @@ protected:
     // Starts `tessera serve` as a child process, whose first line is its URL.
     void start() {
         const std::string log = (base_ / "log").string(), folder = (base_ / "served").string();
+        const std::string tool = tool_under_test();
         server_ = ::fork();
         if (server_ == 0) {
             ::dup2(::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
-            ::execl(TESSERA_TOOL, TESSERA_TOOL, "serve", folder.c_str(), "--port", "0", nullptr);
+            ::execl(tool.c_str(), tool.c_str(), "serve", folder.c_str(), "--port", "0", nullptr);
             ::_exit(127);
         }
         for (int i = 0; i < 1000 && url_.empty(); ++i) {

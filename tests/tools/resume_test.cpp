@@ -1,5 +1,6 @@
 // Kills the tool at random moments and resumes: the file must be the same as without interruption.
 #include "tests/support/test_folder.h"
+#include "tests/support/tool_under_test.h"
 
 #include <chrono>
 #include <csignal>
@@ -32,7 +33,7 @@ protected:
 
     // Starts `tessera <arguments>` without a shell, so that a kill hits the tool itself.
     pid_t start(const std::string& arguments) const {
-        std::vector<std::string> words{TESSERA_TOOL};
+        std::vector<std::string> words{tessera::test::tool_under_test()};
         std::istringstream in(arguments);
         for (std::string word; in >> word;)
             words.push_back(word);
@@ -45,7 +46,7 @@ protected:
             const int err = open((folder_ / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
             dup2(err, STDERR_FILENO);
             if (chdir(folder_.c_str()) == 0)
-                execv(TESSERA_TOOL, argv.data());
+                execv(argv[0], argv.data());
             _exit(126);
         }
         return child;

@@ -237,10 +237,16 @@ public:
         server_.set_write_timeout(write_seconds);
         server_.set_payload_max_length(0);
         server_.set_tcp_nodelay(true);
-        // The library's default, SO_REUSEPORT, lets two servers share a port without an error.
+        // The library's default, SO_REUSEPORT, lets two servers share a port without an error. On
+        // Windows SO_REUSEADDR does so too.
         server_.set_socket_options([](socket_t socket) {
             const int yes = 1;
-            setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+#ifdef SO_EXCLUSIVEADDRUSE
+            const int option = SO_EXCLUSIVEADDRUSE;
+#else
+            const int option = SO_REUSEADDR;
+#endif
+            setsockopt(socket, SOL_SOCKET, option, reinterpret_cast<const char*>(&yes), sizeof yes);
         });
         server_.set_pre_routing_handler(
             [this](const httplib::Request& request, httplib::Response& response) {

@@ -2,27 +2,36 @@
 
 #include "format/output_file.h"
 #include "tools/support/html_text.h"
+#include "tools/support/system.h"
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <cstdio>
-#include <sys/stat.h>
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string http_date(std::time_t time) {
+std::string http_date(std::int64_t time) {
     static const char* const days[] = {"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
     static const char* const months[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun",
                                          "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
-    std::tm t = {};
-    if (gmtime_r(&time, &t) == nullptr)
+    namespace ch = std::chrono;
+    const ch::sys_seconds at{ch::seconds(time)};
+    const auto midnight = ch::floor<ch::days>(at);
+    const ch::year_month_day date(midnight);
+    if (!date.ok())
         return "";
+    const ch::hh_mm_ss clock(at - midnight);
     char text[80];
-    std::snprintf(text, sizeof text, "%s, %02d %s %04d %02d:%02d:%02d GMT", days[t.tm_wday],
-                  t.tm_mday, months[t.tm_mon], t.tm_year + 1900, t.tm_hour, t.tm_min, t.tm_sec);
+    std::snprintf(text, sizeof text, "%s, %02u %s %04d %02d:%02d:%02d GMT",
+                  days[ch::weekday(midnight).c_encoding()], static_cast<unsigned>(date.day()),
+                  months[static_cast<unsigned>(date.month()) - 1], static_cast<int>(date.year()),
+                  static_cast<int>(clock.hours().count()),
+                  static_cast<int>(clock.minutes().count()),
+                  static_cast<int>(clock.seconds().count()));
     return text;
 }
 
@@ -56,9 +65,11 @@ std::optional<fs::path> find_served(const fs::path& root, const std::string& pat
         begin = end + 1;
         if (name.empty())
             continue;
-        if (name.front() == '.' || name.find('\0') != name.npos)
+        // On Windows a name may have steps, a drive or a server in it.
+        const fs::path step = to_path(name);
+        if (name.front() == '.' || name.find('\0') != name.npos || step != step.filename())
             return std::nullopt;
-        wanted /= to_path(name);
+        wanted /= step;
     }
     std::error_code error;
     const fs::path real = fs::canonical(wanted, error);
@@ -68,19 +79,19 @@ std::optional<fs::path> find_served(const fs::path& root, const std::string& pat
 }
 
 std::optional<FileVersion> version_of(const fs::path& file) {
-    struct stat info = {};
-    if (::stat(file.c_str(), &info) != 0 || !S_ISREG(info.st_mode))
+    const auto stamp = stamp_of(file);
+    if (!stamp)
         return std::nullopt;
     FileVersion version;
-    version.size = static_cast<std::uint64_t>(info.st_size);
-    version.changed = info.st_mtim.tv_sec;
+    version.size = stamp->size;
+    version.changed = stamp->seconds;
     char text[80];
-    std::snprintf(text, sizeof text, "\"%llx-%llx-%lx\"",
-                  static_cast<unsigned long long>(info.st_size),
-                  static_cast<unsigned long long>(info.st_mtim.tv_sec),
-                  static_cast<unsigned long>(info.st_mtim.tv_nsec));
+    std::snprintf(text, sizeof text, "\"%llx-%llx-%llx\"",
+                  static_cast<unsigned long long>(stamp->size),
+                  static_cast<unsigned long long>(stamp->seconds),
+                  static_cast<unsigned long long>(stamp->nanoseconds));
     version.etag = text;
-    version.last_modified = http_date(info.st_mtim.tv_sec);
+    version.last_modified = http_date(stamp->seconds);
     return version;
 }
 

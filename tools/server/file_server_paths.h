@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <ctime>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -17,8 +16,8 @@ std::optional<std::filesystem::path> find_served(const std::filesystem::path& ro
                                                  const std::string& path);
 
 struct FileVersion {
-    std::uint64_t size = 0; // bytes
-    std::time_t changed = 0;
+    std::uint64_t size = 0;    // bytes
+    std::int64_t changed = 0;  // seconds since 1970
     std::string etag;          // strong, with its quotes
     std::string last_modified; // an HTTP date
 };

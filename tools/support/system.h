@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,6 +44,13 @@ void wait_for_wake(); // for the watcher
 std::string why_not_writable(const std::filesystem::path& folder);
 // Whether this process may write the file.
 bool is_writable(const std::filesystem::path& file);
+
+struct FileStamp {
+    std::uint64_t size = 0;                    // bytes
+    std::int64_t seconds = 0, nanoseconds = 0; // of the last change, since 1970
+};
+// Of what the path names after symbolic links. Nothing if it is not a regular file.
+std::optional<FileStamp> stamp_of(const std::filesystem::path& file);
 
 // Uninitialised memory, null if memory is short. Large blocks use large pages if the system has
 // them, for 500 times fewer page faults.

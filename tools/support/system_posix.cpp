@@ -103,6 +103,14 @@ bool is_writable(const std::filesystem::path& file) {
     return ::access(file.c_str(), W_OK) == 0;
 }
 
+std::optional<FileStamp> stamp_of(const std::filesystem::path& file) {
+    struct stat info = {};
+    if (::stat(file.c_str(), &info) != 0 || !S_ISREG(info.st_mode))
+        return std::nullopt;
+    return FileStamp{static_cast<std::uint64_t>(info.st_size), info.st_mtim.tv_sec,
+                     info.st_mtim.tv_nsec};
+}
+
 std::byte* allocate_slab(std::size_t bytes) {
     if (bytes < 2 * large_page)
         return static_cast<std::byte*>(std::malloc(bytes));

@@ -125,6 +125,26 @@ bool is_writable(const std::filesystem::path& file) {
     return _waccess(file.c_str(), 2) == 0;
 }
 
+std::optional<FileStamp> stamp_of(const std::filesystem::path& file) {
+    const HANDLE opened = CreateFileW(file.c_str(), FILE_READ_ATTRIBUTES,
+                                      FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE,
+                                      nullptr, OPEN_EXISTING, 0, nullptr);
+    if (opened == INVALID_HANDLE_VALUE) // among others, of a folder
+        return std::nullopt;
+    BY_HANDLE_FILE_INFORMATION info = {};
+    const bool is_file =
+        GetFileType(opened) == FILE_TYPE_DISK && GetFileInformationByHandle(opened, &info) != 0;
+    CloseHandle(opened);
+    if (!is_file)
+        return std::nullopt;
+    constexpr std::int64_t units_per_second = 10'000'000, seconds_to_1970 = 11'644'473'600;
+    const auto units =
+        static_cast<std::int64_t>(std::uint64_t{info.ftLastWriteTime.dwHighDateTime} << 32 |
+                                  info.ftLastWriteTime.dwLowDateTime);
+    return FileStamp{std::uint64_t{info.nFileSizeHigh} << 32 | info.nFileSizeLow,
+                     units / units_per_second - seconds_to_1970, units % units_per_second * 100};
+}
+
 std::byte* allocate_slab(std::size_t bytes) {
     return static_cast<std::byte*>(std::malloc(bytes));
 }

@@ -50,7 +50,7 @@ const RawEnding* raw_ending(const std::string& path) {
 }
 
 std::string without_trailing_slashes(std::string path) {
-    while (path.size() > 1 && path.back() == '/')
+    while (to_path(path).has_relative_path() && !to_path(path).has_filename())
         path.pop_back();
     return path;
 }
@@ -217,7 +217,7 @@ TextureKind kind_of(const std::string& path) {
         return TextureKind::unknown;
     if (is_url(path))
         return without_query(path).ends_with(".tess") ? TextureKind::tess : TextureKind::unknown;
-    if (path.back() == '/' || fs::is_directory(to_path(path), ignored))
+    if (!to_path(path).has_filename() || fs::is_directory(to_path(path), ignored))
         return TextureKind::views;
     const std::string ending = to_path(path).extension().string();
     if (ending == ".tess")

@@ -192,7 +192,8 @@ void add_view_command(CLI::App& app, Invocation& chosen) {
     };
     add_verb<ViewCommand>(
         app, chosen, "view", "Show a texture in a browser",
-        "Without -o, this machine serves a page at 127.0.0.1 until Ctrl-C, and xdg-open opens it. "
+        "Without -o, this machine serves a page at 127.0.0.1 until Ctrl-C, and opens it in the "
+        "browser. "
         "The page reads the file in parts, so large files, and those encoded with --layers, are "
         "visible at once. Its button ? explains mouse and keys.\n\n"
         "Examples:\n"

@@ -33,7 +33,7 @@ function(tessera_wasm_sources variable)
     endforeach()
     list(FILTER all INCLUDE REGEX "^/.*\\.cpp$")
     list(FILTER all EXCLUDE REGEX
-         "/format/(surface/|io/(output_|system_calls_posix|unfinished)|container/container_(writer|validate)|geometry|sampler)")
+         "/format/(surface/|io/(output_|system_calls_|unfinished)|container/container_(writer|validate)|geometry|sampler)")
     list(FILTER all EXCLUDE REGEX "/(c_api/c_api_decode|kernels/kernels_(avx2|scalar))\\.cpp$")
     file(GLOB own CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/decoder/*.cpp)
     set(${variable} ${all} ${own} ${PROJECT_SOURCE_DIR}/tools/view/layer_files.cpp PARENT_SCOPE)
