@@ -37,8 +37,10 @@ public:
 };
 
 // Values of 0..1 as a layer of colour, those around 0 as one of differences.
-LayerTexture layer_of(const TextureField& field, const SurfaceMesh& mesh, LayerRole role,
-                      std::uint32_t tile_places, double quality_change) {
+// `seen` are the texels that are not masked, of those of visible places; empty: all.
+LayerTexture layer_of(const TextureField& field, const SurfaceMesh& mesh,
+                      const std::vector<bool>& seen, LayerRole role, std::uint32_t tile_places,
+                      double quality_change) {
     const std::uint32_t n = field.directions[0];
     LayerTexture layer = make_layer(role, {field.width, field.height, n, n}, 3);
     const bool is_colour = role == LayerRole::diffuse;
@@ -62,6 +64,8 @@ LayerTexture layer_of(const TextureField& field, const SurfaceMesh& mesh, LayerR
                 const std::size_t texel = place * per_place + k;
                 store_values(layer, texel,
                              {value(3 * texel), value(3 * texel + 1), value(3 * texel + 2)});
+                if (!seen.empty() && !seen[texel])
+                    layer.mask[texel] = std::byte{0};
             }
     layer.quality_change = quality_change;
     layer.tile = {std::min(tile_places, field.width), std::min(tile_places, field.height),
@@ -117,8 +121,10 @@ Result<PhotoFit> fit_photographs(const Model& model, std::span<const PosedPhotog
     out.layers.density = atlas.density * options.cell;
     const auto add = [&](FieldPart part, LayerRole role, std::uint32_t tile_places,
                          double quality_change) {
-        out.layers.layers.push_back(
-            layer_of(fitted.fields[part], atlas.mesh, role, tile_places, quality_change));
+        const std::vector<bool> all;
+        out.layers.layers.push_back(layer_of(fitted.fields[part], atlas.mesh,
+                                             options.masks_unseen ? fitted.seen[part] : all, role,
+                                             tile_places, quality_change));
     };
     // Errors of the smooth colours of a fit are seen less than those of a model's textures, and all
     // places see those of the shared differences, which take few bytes.

@@ -17,6 +17,7 @@ struct PhotoFitOptions : PhotoSolveOptions {
     std::uint32_t cell = 8;               // texels along a side of a group of places
     std::uint32_t directions = 16;        // along s and t, of groups
     std::uint32_t shared_directions = 64; // of all places
+    bool masks_unseen = false;            // any value will do for texels that no photograph shows
     unsigned position_bits = 12, normal_bits = 8;
 };
 

@@ -101,10 +101,66 @@ std::array<float, 2> angles_in(const std::array<glm::vec3, 3>& frame, const glm:
     return {s, clamped_arc_sine(glm::dot(frame[1], d)) / pi + 0.5f};
 }
 
+using DirectionTexel = std::array<std::uint32_t, 2>; // along s and t
+
+// The direction of a texel's centre in a frame.
+glm::vec3 direction_of(const TextureField& field, std::size_t place, const DirectionTexel& texel) {
+    const auto angle = [&](std::size_t axis) {
+        return pi * ((static_cast<float>(texel[axis]) + 0.5f) /
+                         static_cast<float>(field.directions[axis]) -
+                     0.5f);
+    };
+    const float a = angle(0), b = angle(1);
+    const auto& [ex, ey, ez] = field.frames[place];
+    return ex * (std::sin(a) * std::cos(b)) + ey * std::sin(b) + ez * (std::cos(a) * std::cos(b));
+}
+
+std::uint32_t texel_at(const TextureField& field, std::size_t place, const DirectionTexel& texel) {
+    return static_cast<std::uint32_t>(
+        (place * field.directions[1] + texel[1]) * field.directions[0] + texel[0]);
+}
+
+// The texel whose place on a sphere of radius 1 and whose direction are nearest.
+std::uint32_t nearest_texel(const TextureField& field, const glm::vec3& normal,
+                            const glm::vec3& direction) {
+    const auto nearest = [](double x, std::uint32_t n) {
+        return std::min(static_cast<std::uint32_t>(std::max(x, 0.0) * n), n - 1);
+    };
+    const glm::dvec2 uv = sphere_place(glm::dvec3(normal));
+    const std::uint32_t place =
+        nearest(uv.y, field.height) * field.width + nearest(uv.x, field.width);
+    const auto [s, t] = angles_in(field.frames[place], direction);
+    return texel_at(field, place,
+                    {nearest(static_cast<double>(s), field.directions[0]),
+                     nearest(static_cast<double>(t), field.directions[1])});
+}
+
+// The texel whose direction is a step further and which shows the same point of the sphere of the
+// radius `focus`. The texel itself where there is no further direction.
+std::uint32_t neighbour_in_focus(const TextureField& field, std::size_t place,
+                                 const DirectionTexel& texel, const DirectionTexel& step,
+                                 double focus) {
+    const DirectionTexel next{texel[0] + step[0], texel[1] + step[1]};
+    if (next[0] >= field.directions[0] || next[1] >= field.directions[1])
+        return texel_at(field, place, texel);
+    if (focus >= 1.0)
+        return texel_at(field, place, next);
+    const glm::vec3 normal = field.frames[place][2], from = direction_of(field, place, texel),
+                    to = direction_of(field, place, next);
+    // Rays that miss the inner sphere count where they are nearest to it.
+    const float cosine = glm::dot(normal, from);
+    const float square = cosine * cosine - 1.0f + static_cast<float>(focus * focus);
+    const glm::vec3 point = normal - (cosine - std::sqrt(std::max(square, 0.0f))) * from;
+    const float along = glm::dot(point, to);
+    const float outwards =
+        std::sqrt(std::max(along * along + 1.0f - glm::dot(point, point), 0.0f)) - along;
+    return nearest_texel(field, point + outwards * to, to);
+}
+
 } // namespace
 
 TextureField make_sphere_field(std::uint32_t width, std::uint32_t height,
-                               std::array<std::uint32_t, 2> directions) {
+                               std::array<std::uint32_t, 2> directions, double focus) {
     TextureField field = make_window_field(width, height, directions);
     field.map = AngularMap::hemisphere_alpha_beta;
     for (std::uint32_t v = 0; v < height; ++v)
@@ -113,6 +169,12 @@ TextureField make_sphere_field(std::uint32_t width, std::uint32_t height,
                 sphere_frame(Proxy::sphere, (u + 0.5) / width, (v + 0.5) / height);
             field.frames.push_back({glm::vec3(frame.ex), glm::vec3(frame.ey), glm::vec3(frame.ez)});
         }
+    for (std::size_t place = 0; place < field.places(); ++place)
+        for (std::uint32_t t = 0; t < directions[1]; ++t)
+            for (std::uint32_t s = 0; s < directions[0]; ++s)
+                field.next_directions.push_back(
+                    {neighbour_in_focus(field, place, {s, t}, {1, 0}, focus),
+                     neighbour_in_focus(field, place, {s, t}, {0, 1}, focus)});
     return field;
 }
 
@@ -173,10 +235,10 @@ PhotoSample centre_of_texel(const TextureField& field, std::size_t texel) {
                        centre(direction % wide, field.directions[0]),
                        centre(direction / wide, field.directions[1]), 1.0f};
     if (field.map == AngularMap::hemisphere_alpha_beta) {
-        const float a = pi * (sample.s - 0.5f), b = pi * (sample.t - 0.5f);
-        const auto& [ex, ey, ez] = field.frames[place];
-        const auto [s, t] = place_of_direction(ex * (std::sin(a) * std::cos(b)) + ey * std::sin(b) +
-                                               ez * (std::cos(a) * std::cos(b)));
+        const auto [s, t] =
+            place_of_direction(direction_of(field, place,
+                                            {static_cast<std::uint32_t>(direction % wide),
+                                             static_cast<std::uint32_t>(direction / wide)}));
         sample.s = s;
         sample.t = t;
     }
@@ -219,6 +281,12 @@ void add_smoothness(const TextureField& field, const std::vector<float>& values,
             const auto texel = [&](int s, int t) {
                 return place * per_place + static_cast<std::size_t>(t * wide + s);
             };
+            if (is_sphere) {
+                for (std::size_t i = place * per_place; i < (place + 1) * per_place; ++i)
+                    for (const std::uint32_t next : field.next_directions[i])
+                        pull(i, next, 1, field.smooth_directions);
+                continue;
+            }
             if (field.map != AngularMap::octahedral_mirrored) {
                 for (int t = 0; t < high; ++t)
                     for (int s = 0; s < wide; ++s) {

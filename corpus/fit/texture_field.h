@@ -22,6 +22,9 @@ struct TextureField {
     AngularMap map = AngularMap::octahedral_mirrored;
     // The frame of each place of a sphere, u fastest: ex, ey and ez. Set by make_sphere_field().
     std::vector<std::array<glm::vec3, 3>> frames;
+    // Of each texel of a sphere, its neighbours of the next direction along s and along t, or
+    // itself. They show the same place of the focus, see make_sphere_field().
+    std::vector<std::array<std::uint32_t, 2>> next_directions;
     std::vector<std::uint32_t> charts; // of each place, u fastest; 0: it shows none
     double smooth_places = 0;          // cost of neighbouring places of a chart
     double smooth_directions = 0;      // cost of neighbouring directions
@@ -35,9 +38,11 @@ struct TextureField {
     void clear() { values.assign(3 * places() * texels_per_place(), 0.0f); }
 };
 
-// A field on a sphere that is seen from outside, and one in a window, all 0.
+// A field on a sphere that is seen from outside, and one in a window, all 0. `focus` is the radius, as
+// a share of the sphere's, of a sphere inside it which is near the object's surface: neighbouring
+// directions are kept alike where they show the same place of that. 1: on the sphere itself.
 TextureField make_sphere_field(std::uint32_t width, std::uint32_t height,
-                               std::array<std::uint32_t, 2> directions);
+                               std::array<std::uint32_t, 2> directions, double focus);
 TextureField make_window_field(std::uint32_t width, std::uint32_t height,
                                std::array<std::uint32_t, 2> directions);
 

@@ -21,23 +21,6 @@ std::string cube_obj() {
     return obj;
 }
 
-// The pose of a camera around the cube, turned by `angle` and lifted.
-std::string pose(double angle, double lift) {
-    const double r = 6 * std::cos(lift);
-    const double e[3] = {r * std::sin(angle), 6 * std::sin(lift), r * std::cos(angle)};
-    const double back[3] = {e[0] / 6, e[1] / 6, e[2] / 6};
-    const double n = std::hypot(back[0], back[2]);
-    const double right[3] = {back[2] / n, 0, -back[0] / n};
-    const double up[3] = {back[1] * right[2] - back[2] * right[1],
-                          back[2] * right[0] - back[0] * right[2],
-                          back[0] * right[1] - back[1] * right[0]};
-    std::string text = "[";
-    for (int row = 0; row < 3; ++row)
-        text += "[" + std::to_string(right[row]) + "," + std::to_string(up[row]) + "," +
-                std::to_string(back[row]) + "," + std::to_string(4 + row + e[row]) + "],";
-    return text + "[0,0,0,1]]";
-}
-
 class FitCli : public CliFixture {
 protected:
     // Writes cube.obj and the cameras, and draws 14 photographs of a texture that `fit` then has to
@@ -46,8 +29,9 @@ protected:
         spit(at("cube.obj"), cube_obj());
         std::vector<std::string> frames;
         for (int i = 0; i < 14; ++i)
-            frames.push_back(frame_json("photos/p" + std::to_string(10 + i),
-                                        pose(0.9 * i, 0.9 * std::sin(1.7 * i))));
+            frames.push_back(
+                frame_json("photos/p" + std::to_string(10 + i),
+                           matrix_around({4, 5, 6}, 6, 0.9 * i, 0.9 * std::sin(1.7 * i))));
         spit(at("transforms.json"), transforms_json(R"("w":48,"h":48,"fl_x":60,)", frames));
     }
 };
@@ -92,8 +76,17 @@ TEST_F(FitCli, RefusesCamerasThatDoNotSeeTheMesh) {
     fail(1, "fit transforms.json --mesh far.obj -o x.tess", {"no photograph sees the mesh"});
     EXPECT_FALSE(fs::exists(at("x.tess")));
     fail(1, "fit transforms.json --mesh cube.txt -o x.tess", {"cube.txt", "not a"});
-    fail(1, "fit transforms.json --mesh cube.obj -o x.tess --lossless", {"--lossless"});
-    fail(1, "fit transforms.json -o x.tess", {"--mesh MODEL"});
+    fail(1, "fit transforms.json -o x.tess", {"--mesh MODEL", "--surface"});
+    fail(1, "fit transforms.json --mesh cube.obj -o x.tess --lossless --quality 50",
+         {"--lossless", "--quality"});
+    fail(1, "fit transforms.json --mesh cube.obj -o x.tess --max-error 1.5", {"--max-error"});
+    fail(1, "fit transforms.json --mesh cube.obj --surface sphere -o x.tess",
+         {"--mesh", "--surface"});
+    fail(1, "fit transforms.json --mesh cube.obj --focus 3 -o x.tess", {"--focus", "--surface"});
+    fail(1, "fit transforms.json --surface sphere --cell 4 -o x.tess", {"--cell", "--mesh"});
+    fail(1, "fit transforms.json --surface sphere --radius 9 -o x.tess",
+         {"transforms.json", "frame 'photos/p10'", "inside the sphere"});
+    fail(1, "fit transforms.json --surface planar -o x.tess", {"transforms.json", "window"});
     fail(2, "fit missing.json --mesh cube.obj -o x.tess", {"missing.json"});
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <glm/geometric.hpp>
 #include <numbers>
 #include <span>
 #include <string_view>
@@ -78,6 +79,41 @@ Result<CameraGrid> cameras_in(const Metadata& metadata, const Extent4& size) {
         return Status(ErrorCode::invalid_file,
                       "its key Cameras is not four lengths above 0: spacing x, y, distance, width");
     return CameraGrid{numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
+std::string to_string(const WindowPlace& place) {
+    std::string text;
+    for (const glm::dvec3& v : {place.centre, place.axes[0], place.axes[1]})
+        for (glm::length_t i = 0; i < 3; ++i) {
+            char number[40];
+            std::snprintf(number, sizeof number, "%s%.12g", text.empty() ? "" : ",", v[i]);
+            text += number;
+        }
+    return text;
+}
+
+Result<std::optional<WindowPlace>> window_in(const Metadata& metadata) {
+    constexpr double tolerance = 1e-6;
+    const auto said = metadata.find(window_key);
+    if (said == metadata.end())
+        return std::optional<WindowPlace>();
+    double n[9];
+    WindowPlace place;
+    bool is_valid = parse_numbers(said->second, n);
+    if (is_valid) {
+        place.centre = {n[0], n[1], n[2]};
+        const glm::dvec3 right(n[3], n[4], n[5]), up(n[6], n[7], n[8]);
+        place.axes = glm::dmat3(right, up, glm::cross(right, up));
+        is_valid = glm::length(place.centre) <= largest_length &&
+                   std::abs(glm::length(right) - 1.0) <= tolerance &&
+                   std::abs(glm::length(up) - 1.0) <= tolerance &&
+                   std::abs(glm::dot(right, up)) <= tolerance;
+    }
+    if (!is_valid)
+        return Status(ErrorCode::invalid_file,
+                      "its key Window is not nine numbers: the centre of the window, and two unit "
+                      "vectors to the right and up");
+    return std::optional(place);
 }
 
 } // namespace tessera

@@ -4,6 +4,8 @@
 #include "format/metadata.h"
 #include "format/texture.h"
 
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 
@@ -36,5 +38,19 @@ std::string to_string(const CameraGrid& cameras);
 // The value of the key Cameras; without the key, the default of camera_grid(). Errors:
 // invalid_file.
 Result<CameraGrid> cameras_in(const Metadata& metadata, const Extent4& size);
+
+// Where the window of planar views is in the world of the cameras that photographed them. Without
+// this key, that world is the window's own.
+struct WindowPlace {
+    glm::dvec3 centre{0.0};
+    glm::dmat3 axes{1.0}; // columns: right, up and towards the cameras; a rotation
+};
+
+inline constexpr const char* window_key = "Window";
+
+// Nine numbers: the centre, right and up.
+std::string to_string(const WindowPlace& place);
+// The value of the key Window; nothing without the key. Errors: invalid_file.
+Result<std::optional<WindowPlace>> window_in(const Metadata& metadata);
 
 } // namespace tessera

@@ -39,7 +39,7 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
     if (a.encode.json) {
         const Json json = {{"output", a.output},
                            {"bytes", coded.file.size()},
-                           {"quality", coded.quality},
+                           {"quality", *coded.quality},
                            {"seconds", seconds},
                            {"triangles", baked.decoded_mesh.triangles.size()},
                            {"charts", baked.charts},
@@ -55,9 +55,8 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
     if (a.texture.quiet)
         return;
     std::FILE* const to = summary_stream(a.output);
-    std::fprintf(to, "%s: %s in %.1f s, quality %s\n", a.output.c_str(),
-                 human_bytes(coded.file.size()).c_str(), seconds,
-                 format_number(coded.quality, 1).c_str());
+    std::fprintf(to, "%s: %s in %.1f s, %s\n", a.output.c_str(),
+                 human_bytes(coded.file.size()).c_str(), seconds, rate_text(coded).c_str());
     print_layers(to, baked, coded);
     std::fprintf(to, "  %zu lights, %s texels per unit\n", baked.lights.size(),
                  format_number(baked.density, 3).c_str());
@@ -133,9 +132,8 @@ Status bake_layered(const BakeCommand& a, ModelToBake model) {
         encode.mesh = baked.mesh;
         encode.progress = options.run.progress;
         encode.cancelled = options.run.cancelled;
-        TESSERA_TRY_ASSIGN(coded,
-                           encode_layers(baked, encode, a.encode.quality, a.encode.target_bytes)
-                               .with_context(a.output));
+        TESSERA_TRY_ASSIGN(
+            coded, encode_layers(baked, encode, rate_of_layers(a.encode)).with_context(a.output));
     }
     TESSERA_TRY(write_file(a.output, coded.file));
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;

@@ -256,6 +256,9 @@ Status run(const RenderCommand& a) {
         if (stage.planar && a.views.camera.empty() && a.views.cameras.empty()) {
             TESSERA_TRY_ASSIGN(plan, plan_views(a.views, stage.planar->cameras, stage.desc.size));
         }
+        if (!a.views.cameras.empty())
+            for (PlannedView& view : plan)
+                view.camera = stage.in_texture(view.camera);
         steps.set_count(plan.size() * stage.renderers());
         if (stage.window)
             for (const PlannedView& view : plan)

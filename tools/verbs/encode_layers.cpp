@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 namespace tessera {
@@ -11,7 +12,8 @@ namespace {
 
 constexpr double usual_layer_quality = 58;
 constexpr double least_quality = 1, most_quality = 100;
-constexpr int quality_steps = 6; // of the search, each halves the range
+// Of the searches, each halves the range.
+constexpr int quality_steps = 6, psnr_steps = 8;
 
 // The quality of a layer, so that all layers save about the same error per byte (FlightHelmet).
 double quality_of(LayerRole role, double quality) {
@@ -21,10 +23,19 @@ double quality_of(LayerRole role, double quality) {
                       most_quality);
 }
 
+// A quality, or the largest error of all layers.
+struct TriedRate {
+    double quality = 0;
+    std::optional<double> most_error{};
+};
+
 Result<CodedLayer> encode_layer(const corpus::LayerTexture& texture, EncodeOptions options,
-                                double quality) {
-    options.rate = {RateTarget::Kind::quality,
-                    quality_of(texture.role, quality + texture.quality_change)};
+                                const TriedRate& rate) {
+    options.rate =
+        rate.most_error
+            ? RateTarget{RateTarget::Kind::max_error, *rate.most_error}
+            : RateTarget{RateTarget::Kind::quality,
+                         quality_of(texture.role, rate.quality + texture.quality_change)};
     MemorySource source(texture.desc, texture.texels), mask(texture.mask_desc, texture.mask);
     options.mask = &mask;
     options.tile_extent = texture.tile;
@@ -45,12 +56,27 @@ Result<CodedLayer> encode_layer(const corpus::LayerTexture& texture, EncodeOptio
     return coded;
 }
 
+// See CodedLayers::sum_psnr.
+double psnr_of_sum(std::span<const CodedLayer> layers) {
+    double error = 0; // squared, of values of 0..1
+    for (const CodedLayer& layer : layers) {
+        if (layer.psnr >= lossless_psnr)
+            continue;
+        // What a step of a sample changes; see signed_value().
+        const double size =
+            layer.texture->scale * (is_signed(layer.texture->role) ? 255.0 / 127.0 : 1.0);
+        error += size * size * std::pow(10.0, -layer.psnr / 10.0);
+    }
+    return error > 0 ? -10.0 * std::log10(error) : lossless_psnr;
+}
+
 Result<CodedLayers> encode_at(const corpus::ModelLayers& baked, const EncodeOptions& options,
-                              double quality) {
+                              const TriedRate& rate) {
     CodedLayers coded;
-    coded.quality = quality;
+    if (!rate.most_error)
+        coded.quality = rate.quality;
     for (const corpus::LayerTexture& texture : baked.layers) {
-        TESSERA_TRY_ASSIGN(CodedLayer layer, encode_layer(texture, options, quality));
+        TESSERA_TRY_ASSIGN(CodedLayer layer, encode_layer(texture, options, rate));
         coded.layers.push_back(std::move(layer));
     }
     const auto scale = [](const CodedLayer& layer) {
@@ -62,34 +88,85 @@ Result<CodedLayers> encode_at(const corpus::ModelLayers& baked, const EncodeOpti
             {coded.layers[i].texture->role, scale(coded.layers[i]), coded.layers[i].bytes});
     TESSERA_TRY_ASSIGN(coded.file, join_layers(coded.layers[0].bytes, scale(coded.layers[0]),
                                                further, baked.lights));
+    coded.sum_psnr = psnr_of_sum(coded.layers);
     return coded;
 }
 
-} // namespace
-
-Result<CodedLayers> encode_layers(const corpus::ModelLayers& baked, const EncodeOptions& options,
-                                  std::optional<double> quality,
-                                  std::optional<std::uint64_t> most_bytes) {
-    if (!most_bytes)
-        return encode_at(baked, options, quality.value_or(usual_layer_quality));
+// The best quality with which the file has at most so many bytes.
+Result<CodedLayers> encode_in(const corpus::ModelLayers& baked, const EncodeOptions& options,
+                              std::uint64_t most_bytes, const std::string& option) {
     double low = least_quality, high = most_quality;
-    TESSERA_TRY_ASSIGN(CodedLayers best, encode_at(baked, options, low));
-    if (best.file.size() > *most_bytes)
-        return Status(ErrorCode::bad_argument, "--target-bytes " + std::to_string(*most_bytes) +
-                                                   ": even at the lowest quality the layers take " +
-                                                   std::to_string(best.file.size()) +
-                                                   " bytes, of which " +
-                                                   std::to_string(baked.mesh.size()) +
-                                                   " are the mesh; --texels makes fewer texels");
+    TESSERA_TRY_ASSIGN(CodedLayers best, encode_at(baked, options, {low}));
+    if (best.file.size() > most_bytes)
+        return Status(ErrorCode::bad_argument,
+                      option + ": even at the lowest quality the layers take " +
+                          std::to_string(best.file.size()) + " bytes, of which " +
+                          std::to_string(baked.mesh.size()) +
+                          " are the mesh; --texels makes fewer texels");
     for (int i = 0; i < quality_steps; ++i) {
         const double middle = (low + high) / 2;
-        TESSERA_TRY_ASSIGN(CodedLayers tried, encode_at(baked, options, middle));
-        const bool fits = tried.file.size() <= *most_bytes;
+        TESSERA_TRY_ASSIGN(CodedLayers tried, encode_at(baked, options, {middle}));
+        const bool fits = tried.file.size() <= most_bytes;
         (fits ? low : high) = middle;
         if (fits)
             best = std::move(tried);
     }
     return best;
+}
+
+// The least quality whose sum_psnr is at least `psnr`.
+Result<CodedLayers> encode_with_psnr(const corpus::ModelLayers& baked, const EncodeOptions& options,
+                                     double psnr) {
+    double low = least_quality, high = most_quality;
+    TESSERA_TRY_ASSIGN(CodedLayers best, encode_at(baked, options, {high}));
+    if (best.sum_psnr < psnr) {
+        if (options.lossless_fallback)
+            return encode_at(baked, options, {0, 0.0});
+        return Status(ErrorCode::target_missed,
+                      "the layers have at most " + format_number(best.sum_psnr, 2) + " dB, not " +
+                          format_number(psnr, 2) + "; --lossless-fallback writes a lossless file");
+    }
+    for (int i = 0; i < psnr_steps; ++i) {
+        const double middle = (low + high) / 2;
+        TESSERA_TRY_ASSIGN(CodedLayers tried, encode_at(baked, options, {middle}));
+        const bool reaches = tried.sum_psnr >= psnr;
+        (reaches ? high : low) = middle;
+        if (reaches)
+            best = std::move(tried);
+    }
+    return best;
+}
+
+} // namespace
+
+LayerRate rate_of_layers(const EncodeArguments& a) {
+    LayerRate rate{a.quality, a.target_bytes, a.target_bpt, a.target_psnr, a.max_error};
+    if (a.lossless)
+        rate.most_error = 0;
+    return rate;
+}
+
+Result<CodedLayers> encode_layers(const corpus::ModelLayers& baked, const EncodeOptions& options,
+                                  const LayerRate& rate) {
+    if (rate.most_bytes)
+        return encode_in(baked, options, *rate.most_bytes,
+                         "--target-bytes " + std::to_string(*rate.most_bytes));
+    if (rate.most_bits) {
+        double bytes = 0;
+        for (const corpus::LayerTexture& texture : baked.layers)
+            bytes += *rate.most_bits / 8.0 * static_cast<double>(texel_count(texture.desc.size));
+        return encode_in(baked, options, static_cast<std::uint64_t>(bytes),
+                         "--target-bpt " + format_number(*rate.most_bits, 4));
+    }
+    if (rate.least_psnr)
+        return encode_with_psnr(baked, options, *rate.least_psnr);
+    return encode_at(baked, options, {rate.quality.value_or(usual_layer_quality), rate.most_error});
+}
+
+std::string rate_text(const CodedLayers& coded) {
+    if (coded.quality)
+        return "quality " + format_number(*coded.quality, 1);
+    return coded.sum_psnr >= lossless_psnr ? "lossless" : "with a largest error";
 }
 
 Json layers_json(const CodedLayers& coded) {

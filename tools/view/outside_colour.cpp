@@ -9,17 +9,6 @@
 namespace tessera {
 namespace {
 
-// The metadata key Background, or black if the file does not have it.
-Result<glm::dvec3> around_mesh(const ContainerReader& container) {
-    glm::dvec3 colour{0.0};
-    const auto said = container.metadata().find("Background");
-    if (said != container.metadata().end()) {
-        TESSERA_TRY(parse_point(said->second, colour)
-                        .with_context(container.name() + ": the metadata key Background"));
-    }
-    return colour;
-}
-
 // The colour of tiles that are not stored.
 glm::dvec3 background_of(const ContainerReader& container) {
     const TextureDesc& desc = container.desc();
@@ -34,9 +23,15 @@ glm::dvec3 background_of(const ContainerReader& container) {
 } // namespace
 
 Result<glm::dvec3> outside_colour(const ContainerReader& container) {
-    if (container.description().proxy == Proxy::mesh)
-        return around_mesh(container);
-    return background_of(container);
+    const auto said = container.metadata().find("Background");
+    if (said != container.metadata().end()) {
+        glm::dvec3 colour{0.0};
+        TESSERA_TRY(parse_point(said->second, colour)
+                        .with_context(container.name() + ": the metadata key Background"));
+        return colour;
+    }
+    return container.description().proxy == Proxy::mesh ? glm::dvec3(0.0)
+                                                        : background_of(container);
 }
 
 } // namespace tessera

@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-// For a mesh: the colour in the file's metadata key Background, or black without it. Otherwise: the
+// The colour in the file's metadata key Background. Without it, black around a mesh, and otherwise the
 // colour of tiles that are not stored. Values are those of the texels, with 8-bit samples scaled to
 // 0..1. Errors: bad_argument if the value of Background is not a colour.
 Result<glm::dvec3> outside_colour(const ContainerReader& container);

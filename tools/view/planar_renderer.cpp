@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 
 namespace tessera {
@@ -106,10 +107,25 @@ Result<std::optional<PlanarViews>> planar_views(const ContainerReader& container
     TESSERA_TRY_ASSIGN(
         views.cameras,
         cameras_in(container.metadata(), container.desc().size).with_context(container.name()));
+    TESSERA_TRY_ASSIGN(views.place, window_in(container.metadata()).with_context(container.name()));
     views.focus = focus.value_or(views.cameras.distance);
     if (!(views.focus >= nearest_focus))
         return Status(ErrorCode::bad_argument, "--focus: the distance must be above 0");
     return std::optional(views);
+}
+
+Camera seen_from_window(const WindowPlace& place, const Camera& camera) {
+    // Vectors times the matrix: the transpose of a rotation is its inverse.
+    Camera turned = camera;
+    turned.eye = (camera.eye - place.centre) * place.axes;
+    turned.forward = camera.forward * place.axes;
+    turned.right = camera.right * place.axes;
+    turned.up = camera.up * place.axes;
+    if (turned.lens) {
+        turned.lens->eye = turned.eye;
+        turned.lens->axes = glm::transpose(place.axes) * camera.lens->axes;
+    }
+    return turned;
 }
 
 Camera window_camera(const glm::dvec3& eye, const CameraGrid& cameras, const Extent4& size,

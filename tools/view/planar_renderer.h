@@ -11,7 +11,12 @@ namespace tessera {
 struct PlanarViews {
     CameraGrid cameras;
     double focus = 0; // distance from the cameras, above 0, at which the views coincide
+    // In the world of photographs, if the file has it.
+    std::optional<WindowPlace> place{};
 };
+
+// A camera of the photographs' world, in the window's coordinates.
+Camera seen_from_window(const WindowPlace& place, const Camera& camera);
 
 // The cameras of a file with planar views, or nothing for other files. The default of `focus` is
 // the distance of the window. Errors: bad_argument (a focus not above 0), invalid_file.

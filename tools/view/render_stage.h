@@ -50,6 +50,11 @@ struct Stage {
     std::vector<std::unique_ptr<TexelSource>> layer_texels;
     std::unique_ptr<ViewRenderer> compressed, uncompressed, truth;
 
+    // A camera of photographs in the coordinates of the texture, which differ for planar views that
+    // were fitted to photographs.
+    Camera in_texture(const Camera& camera) const {
+        return planar && planar->place ? seen_from_window(*planar->place, camera) : camera;
+    }
     // The reads of the file so far.
     Traffic traffic() const;
     // The renderer whose views are written.
