@@ -39,3 +39,16 @@ export function bumpyBox() {
         bufferViews: [0, 1, 2].map(i => ({buffer: 0, byteOffset: at[i], byteLength: at[i + 1] - at[i]})),
         buffers: [{byteLength: bytes.length, uri: inline('application/octet-stream', bytes)}]});
 }
+
+// A .glb after change(json, chunk) has changed its JSON and the bytes of its binary chunk.
+export function changedGlb(glb, change) {
+    const length = glb.readUInt32LE(12), json = JSON.parse(glb.toString('utf8', 20, 20 + length));
+    const chunk = Buffer.from(glb.subarray(28 + length));
+    change(json, chunk);
+    const text = Buffer.from(JSON.stringify(json)), padded = Buffer.concat([text, Buffer.alloc(-text.length & 3, ' ')]);
+    const head = Buffer.alloc(20), middle = Buffer.alloc(8);
+    [0x46546C67, 2, 28 + padded.length + chunk.length, padded.length, 0x4E4F534A].forEach(
+        (word, i) => head.writeUInt32LE(word, 4 * i));
+    [chunk.length, 0x004E4942].forEach((word, i) => middle.writeUInt32LE(word, 4 * i));
+    return Buffer.concat([head, padded, middle, chunk]);
+}

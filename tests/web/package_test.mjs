@@ -6,6 +6,7 @@ import {execFileSync, spawnSync} from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
+import {bumpyBox, changedGlb} from './models.mjs';
 
 const [folder, tool, scratch, glslang] = process.argv.slice(2);
 fs.rmSync(scratch, {recursive: true, force: true});
@@ -21,10 +22,13 @@ fs.writeFileSync(path.join(scratch, 'user.mjs'), `
     import {createRequire} from 'node:module';
     import {loadTessera} from '${about.name}';
     import * as three from '${about.name}/three';
+    import * as surfaceModule from '${about.name}/surface';
+    import '${about.name}/gltf/three';
+    import '${about.name}/gltf/babylon';
     const wasm = createRequire(import.meta.url).resolve('${about.name}/tessera.wasm');
     export const codec = await loadTessera(fs.readFileSync(wasm));
-    export {three};`);
-const {codec, three} = await import(pathToFileURL(path.join(scratch, 'user.mjs')).href);
+    export {surfaceModule, three};`);
+const {codec, surfaceModule, three} = await import(pathToFileURL(path.join(scratch, 'user.mjs')).href);
 
 function bake(name, ...words) {
     const file = path.join(scratch, name);
@@ -43,11 +47,10 @@ const THREE = {DataTexture: Recorded, RawShaderMaterial: Recorded, SphereGeometr
                GLSL3: '300 es'};
 
 function checkShaders(material) {
-    const [{vertexShader, fragmentShader, defines, uniforms}] = material.given;
-    const head = '#version 300 es\n' + Object.entries(defines).map(([k, v]) => `#define ${k} ${v}\n`).join('');
+    const [{vertexShader, fragmentShader, uniforms}] = material.given;
     for (const [stage, text] of [['vert', vertexShader], ['frag', fragmentShader]]) {
         const file = path.join(scratch, `shader.${stage}`);
-        fs.writeFileSync(file, head + text);
+        fs.writeFileSync(file, '#version 300 es\n' + text);
         if (glslang !== undefined) {
             const run = spawnSync(glslang, [file], {encoding: 'utf8'});
             assert.equal(run.status, 0, run.stdout);
@@ -74,11 +77,38 @@ const geometry = {attributes: {position: 1, normal: 1, uv: 1, tangent: 1}};
 checkShaders(three.tesseraSurface(THREE, surface.info, pixels, geometry).given[1]);
 assert.throws(() => three.tesseraSurface(THREE, surface.info, pixels, {attributes: {position: 1}}), /no normal/);
 assert.throws(() => three.tesseraSphere(THREE, surface.info, pixels), /not a sphere/);
+
+// A model with layers of all kinds that a bake makes.
+fs.writeFileSync(path.join(scratch, 'box.gltf'), bumpyBox());
+execFileSync(tool, ['bake', path.join(scratch, 'box.gltf'), '-o', path.join(scratch, 'box.glb'), '--layered', '--texels',
+                    '2000', '--lights', '5', '--spp', '1', '-q']);
+const glb = fs.readFileSync(path.join(scratch, 'box.glb'));
+const layered = surfaceModule.readSurface(codec.openBytes(glb));
+assert(layered.layers.length > 4 && layered.lights.count === 8);
+assert.deepEqual(surfaceModule.attributesOf(layered), ['normal', 'uv', 'tangent']);
+checkShaders(three.surfaceMaterial(THREE, layered));
+assert.throws(() => surfaceModule.readSurface(sphere), /mesh/);
+assert.throws(() => surfaceModule.readSurface(surface, 32), /needs a picture of .* allows only 32 a side/);
+const later = {info: surface.info, layers: () => ({scale: 1, further: [{role: 31, scale: 1, file: surface}], lights: []}),
+               box: (...box) => surface.box(...box)};
+assert.throws(() => surfaceModule.readSurface(later), /does not know layers of the role 31/);
+const viewOf = json => json.bufferViews[json.textures[0].extensions.TESSERA_texture_light_field.bufferView];
+for (const [change, reason] of [[json => { viewOf(json).byteLength += 1000; }, /not within the glTF file/],
+                                [json => { viewOf(json).byteOffset = -4; }, /not within the glTF file/],
+                                [json => { json.bufferViews = []; }, /not within the glTF file/],
+                                [json => { delete json.textures[0].extensions; }, /no Tessera texture/],
+                                [(json, chunk) => { chunk[viewOf(json).byteOffset] = 0; }, /./]])
+    assert.throws(() => codec.openBytes(changedGlb(glb, change)), reason);
+assert.throws(() => codec.openBytes(glb.subarray(0, 200)), Error);
 console.log(`ok material${glslang === undefined ? ' (no glslangValidator: shaders are not checked)' : ''}`);
 
 fs.writeFileSync(path.join(scratch, 'user.ts'), `
     import {loadTessera, PROXY, type Info, type TessFile} from '${about.name}';
     import {tesseraSphere} from '${about.name}/three';
+    import {tesseraGltf} from '${about.name}/gltf/three';
+    import {GLB_EXTENSION, tesseraBabylon} from '${about.name}/gltf/babylon';
+    export const plugins = (THREE: {[name: string]: any}) =>
+        [GLB_EXTENSION, tesseraGltf(THREE, fetch('x'), text => text.length), tesseraBabylon(THREE, fetch('x'))];
     export async function show(THREE: {[name: string]: any}, url: string): Promise<unknown> {
         const file: TessFile = await (await loadTessera(fetch('tessera.wasm'))).openUrl(url, {tries: 2});
         const info: Info = file.info;

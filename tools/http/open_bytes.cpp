@@ -36,9 +36,7 @@ Result<std::unique_ptr<ByteSource>> open_url(const std::string& url) {
 #endif
 }
 
-} // namespace
-
-Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name) {
+Result<std::unique_ptr<ByteSource>> open_whole(const std::string& name) {
     const std::string scheme = scheme_of(name);
     if (name == standard_stream)
         return open_standard_input();
@@ -49,9 +47,16 @@ Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name) {
     return Status(ErrorCode::bad_argument, name + ": only http:// and https:// URLs can be read");
 }
 
+} // namespace
+
+Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name) {
+    TESSERA_TRY_ASSIGN(auto whole, open_whole(name));
+    return unpack_glb(std::move(whole));
+}
+
 std::optional<Traffic> network_traffic([[maybe_unused]] const ByteSource& source) {
 #ifdef TESSERA_HTTP
-    if (const auto* http = dynamic_cast<const HttpSource*>(&source)) {
+    if (const auto* http = dynamic_cast<const HttpSource*>(&whole_file(source))) {
         const HttpStatistics sum = http->statistics();
         return Traffic{sum.requests, sum.bytes};
     }
@@ -61,7 +66,7 @@ std::optional<Traffic> network_traffic([[maybe_unused]] const ByteSource& source
 
 std::string transfer_text([[maybe_unused]] const ByteSource& source) {
 #ifdef TESSERA_HTTP
-    if (const auto* http = dynamic_cast<const HttpSource*>(&source)) {
+    if (const auto* http = dynamic_cast<const HttpSource*>(&whole_file(source))) {
         const HttpStatistics sum = http->statistics();
         std::string text = ", " + std::to_string(sum.requests) +
                            (sum.requests == 1 ? " request, " : " requests, ") +

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "format/byte_source.h"
+#include "tools/http/glb_payload.h"
 #include "tools/support/traffic.h"
 #include "tools/support/url.h"
 
@@ -11,8 +12,8 @@
 namespace tessera {
 
 // Opens a path (open_file()), "-" (open_standard_input()) or an http:// or https:// URL
-// (HttpSource). Errors: theirs; bad_argument (another scheme); unsupported (a URL in a build
-// without TESSERA_HTTP).
+// (HttpSource). Of a .glb it opens the .tess file inside (unpack_glb()). Errors: theirs;
+// bad_argument (another scheme); unsupported (a URL in a build without TESSERA_HTTP).
 Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name);
 
 // The requests and bytes so far if `source` is a URL, else nothing. Thread-safe.

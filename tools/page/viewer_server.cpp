@@ -1,6 +1,7 @@
 #include "tools/page/viewer_server.h"
 
 #include "format/byte_source.h"
+#include "tools/http/glb_payload.h"
 #include "tools/page/page.h"
 #include "tools/page/view_data.h"
 #include "tools/server/file_server_paths.h"
@@ -23,7 +24,8 @@ using Bytes = std::vector<std::byte>;
 constexpr std::size_t most_kept_view_data = std::size_t{64} << 20; // bytes
 
 Result<Bytes> view_data_of(const std::string& path) {
-    TESSERA_TRY_ASSIGN(const auto source, open_file(path));
+    TESSERA_TRY_ASSIGN(auto file, open_file(path));
+    TESSERA_TRY_ASSIGN(const auto source, unpack_glb(std::move(file)));
     TESSERA_TRY_ASSIGN(const auto container, ContainerReader::open(*source));
     return make_view_data(*source, container);
 }

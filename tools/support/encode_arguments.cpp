@@ -177,6 +177,9 @@ Status check_reuse_options(const EncodeArguments& a) {
 }
 
 Status check_tess_output(const EncodeArguments& a, const std::string& output) {
+    if (is_glb_name(output))
+        return {ErrorCode::bad_argument,
+                output + ": is written by tessera convert, from a .tess, and by bake"};
     if (output != standard_stream) {
         if (is_being_encoded(output))
             return {ErrorCode::io, output + ": another process is writing this output now"};

@@ -56,6 +56,10 @@ Status check_parent_folders(const std::string& path, std::uint64_t bytes) {
     return {};
 }
 
+bool is_glb_name(const std::string& path) {
+    return without_query(path).ends_with(".glb");
+}
+
 Status check_output_path(const std::string& path) {
     if (is_url(path))
         return {ErrorCode::bad_argument, path + ": cannot write to a URL"};

@@ -10,6 +10,9 @@
 
 namespace tessera {
 
+// Whether the name is that of a binary glTF file: x.glb.
+bool is_glb_name(const std::string& path);
+
 // Whether a file can be written to `path`: the path does not exist or is a regular file that may be
 // written, and its folder exists, or can be created, and has room. A device or a folder is refused,
 // because the final rename would destroy it or fail. Writes nothing. Errors: io; bad_argument (a

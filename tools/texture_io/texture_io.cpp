@@ -58,7 +58,8 @@ std::string without_trailing_slashes(std::string path) {
 Status unknown_kind(const std::string& path) {
     if (is_url(path))
         return {ErrorCode::bad_argument,
-                path + ": only .tess files are read over a network, and none is written"};
+                path + ": only .tess files, and .glb files that hold one, are read over a network, "
+                       "and none is written"};
     return {ErrorCode::bad_argument,
             path + ": the name has no known ending; known are .tess, .exr, .rgb .rgba .gray "
                    ".ya (and with 16f appended), .raw, .png, .jpg and other pictures, .y4m, and "
@@ -216,11 +217,12 @@ TextureKind kind_of(const std::string& path) {
     if (path.empty())
         return TextureKind::unknown;
     if (is_url(path))
-        return without_query(path).ends_with(".tess") ? TextureKind::tess : TextureKind::unknown;
+        return without_query(path).ends_with(".tess") || is_glb_name(path) ? TextureKind::tess
+                                                                           : TextureKind::unknown;
     if (!to_path(path).has_filename() || fs::is_directory(to_path(path), ignored))
         return TextureKind::views;
     const std::string ending = to_path(path).extension().string();
-    if (ending == ".tess")
+    if (ending == ".tess" || ending == ".glb")
         return TextureKind::tess;
     if (ending == ".exr")
         return TextureKind::exr;
@@ -328,7 +330,9 @@ Status check_texture_output(const std::string& path, const TextureDesc& desc,
         TESSERA_TRY(check_parent_folders(path, desc.box_bytes(Box4::whole(desc.size))));
         return check_raw_ending(path, desc);
     case TextureKind::tess:
-        return {ErrorCode::bad_argument, path + ": use tessera encode to compress"};
+        return {ErrorCode::bad_argument,
+                path + ": use tessera " +
+                    (is_glb_name(path) ? "convert to make a .glb" : "encode to compress")};
     case TextureKind::picture:
         TESSERA_TRY(check_output_path(path));
         return check_picture_output(path, desc, layout);

@@ -3,6 +3,7 @@
 //
 //   x.tess      compressed; open_texture() reads it, encode writes it. Also the URL of one,
 //               http(s)://host/x.tess, with any ?query or #fragment
+//   x.glb       glTF with a .tess inside, which is read like the .tess
 //   x.exr       mosaic, see exr_writer.h
 //   x.rgb       raw, see raw_io.h; also .rgba .gray .ya, with 16f appended for half floats
 //               (.rgb16f), and .raw, for which hints must give type and channels

@@ -35,19 +35,21 @@ corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::Sur
 }
 
 void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedLayers& coded,
-            const Warnings& warnings, double seconds) {
+            const std::optional<GlbReport>& glb, const Warnings& warnings, double seconds) {
     if (a.encode.json) {
-        const Json json = {{"output", a.output},
-                           {"bytes", coded.file.size()},
-                           {"quality", *coded.quality},
-                           {"seconds", seconds},
-                           {"triangles", baked.decoded_mesh.triangles.size()},
-                           {"charts", baked.charts},
-                           {"mesh_bytes", baked.mesh.size()},
-                           {"texels_per_unit", baked.density},
-                           {"lights", baked.lights.size()},
-                           {"warnings", warnings.json()},
-                           {"layers", layers_json(coded)}};
+        Json json = {{"output", a.output},
+                     {"bytes", coded.file.size()},
+                     {"quality", *coded.quality},
+                     {"seconds", seconds},
+                     {"triangles", baked.decoded_mesh.triangles.size()},
+                     {"charts", baked.charts},
+                     {"mesh_bytes", baked.mesh.size()},
+                     {"texels_per_unit", baked.density},
+                     {"lights", baked.lights.size()},
+                     {"warnings", warnings.json()},
+                     {"layers", layers_json(coded)}};
+        if (glb)
+            json["glb"] = to_json(*glb);
         print_json(json);
         return;
     }
@@ -60,6 +62,8 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
     print_layers(to, baked, coded);
     std::fprintf(to, "  %zu lights, %s texels per unit\n", baked.lights.size(),
                  format_number(baked.density, 3).c_str());
+    if (glb)
+        std::fprintf(to, "  glTF file of %s\n", to_string(*glb).c_str());
 }
 
 Status write_file(const std::string& path, std::span<const std::byte> bytes) {
@@ -135,9 +139,14 @@ Status bake_layered(const BakeCommand& a, ModelToBake model) {
         TESSERA_TRY_ASSIGN(
             coded, encode_layers(baked, encode, rate_of_layers(a.encode)).with_context(a.output));
     }
-    TESSERA_TRY(write_file(a.output, coded.file));
+    std::optional<GlbReport> glb;
+    if (is_glb_name(a.output)) {
+        TESSERA_TRY_ASSIGN(glb, write_baked_glb(a, coded.file));
+    } else {
+        TESSERA_TRY(write_file(a.output, coded.file));
+    }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    report(a, baked, coded, warnings, seconds.count());
+    report(a, baked, coded, glb, warnings, seconds.count());
     return {};
 }
 

@@ -63,7 +63,7 @@ Status check_model(const BakeCommand& a) {
         return {ErrorCode::bad_argument, "--surface-map: a mesh always has mesh-uv"};
     if (!is_compressed(a))
         return {ErrorCode::bad_argument,
-                a.output + ": a model needs a .tess output, which holds the mesh"};
+                a.output + ": a model needs a .tess or .glb output, which holds the mesh"};
     return {};
 }
 

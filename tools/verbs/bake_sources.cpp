@@ -145,6 +145,31 @@ bool is_compressed(const BakeCommand& a) {
     return a.output == standard_stream || kind_of(a.output) == TextureKind::tess;
 }
 
+Status check_compressed_output(const BakeCommand& a) {
+    TESSERA_TRY(check_glb_options(a.glb, a.output));
+    if (!is_glb_name(a.output))
+        return check_tess_output(a.encode, a.output);
+    if (a.encode.resume)
+        return {ErrorCode::bad_argument,
+                "--resume: a .glb has no journal; bake a .tess and convert it"};
+    return check_output_path(a.output);
+}
+
+Status check_has_glb_mesh(const BakeCommand& a) {
+    const auto proxy = a.encode.description.find("proxy");
+    if (!is_glb_name(a.output) || corpus::is_model_path(a.scene) ||
+        (proxy != a.encode.description.end() && proxy->second == "mesh"))
+        return {};
+    return {ErrorCode::bad_argument, a.output + ": " + needs_mesh};
+}
+
+Result<GlbReport> write_baked_glb(const BakeCommand& a, std::span<const std::byte> tess) {
+    return write_glb_output(a.output, tess, a.output, a.glb,
+                            {.verb = "tessera bake",
+                             .threads = a.texture.threads,
+                             .quiet = a.texture.quiet || a.encode.json});
+}
+
 Result<Baking> make_baking(BakeCommand& a, ModelToBake* model) {
     const auto proxy = a.encode.description.find("proxy");
     const std::string word = proxy != a.encode.description.end()

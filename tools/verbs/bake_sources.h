@@ -7,6 +7,7 @@
 #include "tools/support/encode_arguments.h"
 #include "tools/support/json_text.h"
 #include "tools/support/texture_arguments.h"
+#include "tools/verbs/glb_output.h"
 
 #include <cstdint>
 #include <memory>
@@ -32,6 +33,7 @@ struct BakeCommand {
     std::optional<unsigned> lights;
     ModelArguments model;
     EncodeArguments encode; // its description contains the proxy
+    GlbArguments glb;
 };
 
 struct Baking {
@@ -58,6 +60,17 @@ struct ModelToBake {
 };
 
 bool is_compressed(const BakeCommand& a);
+
+// Whether the output, a .tess or a .glb, may be written. Errors: those of check_tess_output();
+// bad_argument, if the command asks of a .glb what it cannot have.
+Status check_compressed_output(const BakeCommand& a);
+
+// Whether the command bakes a mesh if the output is a .glb. Call it before make_baking(). Errors:
+// bad_argument.
+Status check_has_glb_mesh(const BakeCommand& a);
+
+// Writes the baked .tess as the .glb of the command. Errors: those of write_glb().
+Result<GlbReport> write_baked_glb(const BakeCommand& a, std::span<const std::byte> tess);
 
 // The wishes of --density, --directions and --tile. Errors: bad_argument.
 Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a);

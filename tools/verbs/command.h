@@ -31,6 +31,7 @@ std::span<const Verb> all_verbs();
 void add_bake_command(CLI::App& app, Invocation& chosen);
 void add_bench_command(CLI::App& app, Invocation& chosen);
 void add_compare_command(CLI::App& app, Invocation& chosen);
+void add_convert_command(CLI::App& app, Invocation& chosen);
 void add_decode_command(CLI::App& app, Invocation& chosen);
 void add_encode_command(CLI::App& app, Invocation& chosen);
 void add_fit_command(CLI::App& app, Invocation& chosen);

@@ -55,8 +55,7 @@ Result<EncodeOptions> options_for(const BakeCommand& a, const Baking& baking) {
     if (a.encode.tile.empty())
         options.tile_extent = baking.tile;
     TESSERA_TRY(check_for(a.encode, options, desc));
-    TESSERA_TRY(compressed ? check_tess_output(a.encode, a.output)
-                           : check_texture_output(a.output, desc));
+    TESSERA_TRY(compressed ? check_compressed_output(a) : check_texture_output(a.output, desc));
     options.labels.facts = baking.facts;
     options.labels.facts.insert(options.labels.facts.end(), baking.input_facts.begin(),
                                 baking.input_facts.end());
@@ -65,21 +64,31 @@ Result<EncodeOptions> options_for(const BakeCommand& a, const Baking& baking) {
 
 Status bake_compressed(const BakeCommand& a, const Baking& baking, EncodeOptions options) {
     TexelSource& source = *baking.texels;
+    const bool to_glb = is_glb_name(a.output);
+    std::vector<std::byte> tess; // of a .glb
     TESSERA_TRY_ASSIGN(const auto report, [&] {
         Progress progress("tessera bake", a.texture.quiet);
         options.progress = progress.function();
-        return encode_to(source, a.output, options);
+        return to_glb ? encode_memory(source, tess, options) : encode_to(source, a.output, options);
     }());
+    std::optional<GlbReport> glb;
+    if (to_glb) {
+        TESSERA_TRY_ASSIGN(glb, write_baked_glb(a, tess));
+    }
     count_replaced(report, *baking.warnings);
     if (a.encode.json) {
         Json json = report_json(a.output, source.desc(), options, report);
         json.update(baking.json);
         json["warnings"] = baking.warnings->json();
+        if (glb)
+            json["glb"] = to_json(*glb);
         print_json(json);
     } else if (!a.texture.quiet) {
         print_report(summary_stream(a.output), a.output, source.desc(), report);
         if (!baking.remark.empty())
             std::fprintf(summary_stream(a.output), "  %s\n", baking.remark.c_str());
+        if (glb)
+            std::printf("  glTF file of %s\n", to_string(*glb).c_str());
     }
     baking.warnings->print("bake");
     return check_target(a.output, options, report);
@@ -154,10 +163,11 @@ Status run(const BakeCommand& a) {
     if (a.scene.empty() || a.output.empty())
         return {ErrorCode::bad_argument,
                 "a scene and -o OUTPUT are needed; --list shows the scenes"};
+    TESSERA_TRY(check_has_glb_mesh(a));
     if (!is_compressed(a))
         TESSERA_TRY(check_plain_output(a));
     else
-        TESSERA_TRY(check_tess_output(a.encode, a.output)); // before a model is loaded
+        TESSERA_TRY(check_compressed_output(a)); // before a model is loaded
     if (corpus::is_model_path(a.scene))
         return with_memory_hint(bake_model(a));
     TESSERA_TRY(check_no_layer_options(a, "needs a model, not the built-in scene " + a.scene));
@@ -177,7 +187,7 @@ void declare(CLI::App& c, BakeCommand& a) {
     add_rate_options(c, a.encode); // the first heading
     c.add_option("scene", a.scene, "Name of a built-in scene, or a model: .gltf, .glb, .obj, .ply");
     c.add_option("-o,--output", a.output,
-                 ".tess (- is one on standard output), .exr, raw samples (.rgb), folder/");
+                 ".tess (- is one on standard output), .glb, .exr, raw samples (.rgb), folder/");
     c.add_flag("--list", a.list, "List the built-in scenes and stop");
     add_run_options(c, a.encode);
     add_threads_options(c, a.texture);
@@ -218,6 +228,7 @@ void declare(CLI::App& c, BakeCommand& a) {
                   "Lights that stand for the environment; 0: none, reflections hold all light. "
                   "Default: 16",
                   CLI::Range(0u, 1000u));
+    add_glb_options(c, a.glb);
 }
 
 } // namespace
@@ -241,6 +252,7 @@ void add_bake_command(CLI::App& app, Invocation& chosen) {
         "  tessera bake bunny.glb -o bunny.tess --env studio.exr --spp 64\n"
         "  tessera bake helmet.glb -o helmet.tess --env studio.exr --texels 2000000\n"
         "  tessera bake bunny.glb -o one.tess --single --directions 24x24\n"
+        "  tessera bake bunny.glb -o baked.glb --jpeg 85\n"
         "  tessera bake lamps -o lamps.exr --size 64x32x8x8",
         declare, run);
 }

@@ -139,7 +139,8 @@ Status serve_page(const ViewCommand& a) {
         return {ErrorCode::bad_argument, a.file + ": view serves local files only; -o page.html "
                                                   "accepts URLs"};
     TESSERA_TRY(make_server_page().status()); // fails here if the build lacks the decoder
-    TESSERA_TRY(Decoder::open_file(a.file).status());
+    TESSERA_TRY_ASSIGN(const auto file, open_tess_bytes(a.file, "view"));
+    TESSERA_TRY(Decoder::open(*file).status());
     // Serves only this file, also if the name is a link to it: any page in the browser can send
     // requests to this server.
     std::error_code error;
@@ -176,7 +177,8 @@ Status run(const ViewCommand& a) {
 void add_view_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, ViewCommand& a) {
         c.add_option("file", a.file,
-                     "A .tess with a texture on a sphere, on a mesh, or of planar views")
+                     "A .tess with a texture on a sphere, on a mesh, or of planar views; or a .glb "
+                     "that holds one")
             ->required();
         auto* output = c.add_option("-o,--output", a.output,
                                     "Write one HTML file with viewer, decoder and texture, which "

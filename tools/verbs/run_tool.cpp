@@ -22,6 +22,7 @@ const char* const main_help =
     "G and T in sizes are powers of 1024.\n\n"
     "Kinds of textures; compressed ones are recognised by their content, others by name:\n"
     "  x.tess   compressed; also as a URL (http, https)\n"
+    "  x.glb    a glTF file that holds a .tess; also as a URL\n"
     "  x.exr    one OpenEXR picture with the angular images side by side\n"
     "  views/   a folder with one picture per view; a single PNG is one view\n"
     "  x.rgb    raw samples in the order v, u, t, s with interleaved channels; needs --size. Also "
@@ -146,13 +147,21 @@ void add_verbs(CLI::App& app, std::span<const Verb> verbs, Invocation& chosen) {
 } // namespace
 
 std::span<const Verb> all_verbs() {
-    static const Verb verbs[] = {{"bake", add_bake_command},         {"fit", add_fit_command},
-                                 {"encode", add_encode_command},     {"decode", add_decode_command},
-                                 {"compare", add_compare_command},   {"info", add_info_command},
-                                 {"validate", add_validate_command}, {"sheet", add_sheet_command},
-                                 {"shaders", add_shaders_command},   {"render", add_render_command},
-                                 {"bench", add_bench_command},       {"rd", add_rd_command},
-                                 {"view", add_view_command},         {"serve", add_serve_command}};
+    static const Verb verbs[] = {{"bake", add_bake_command},
+                                 {"fit", add_fit_command},
+                                 {"encode", add_encode_command},
+                                 {"decode", add_decode_command},
+                                 {"compare", add_compare_command},
+                                 {"info", add_info_command},
+                                 {"validate", add_validate_command},
+                                 {"convert", add_convert_command},
+                                 {"sheet", add_sheet_command},
+                                 {"shaders", add_shaders_command},
+                                 {"render", add_render_command},
+                                 {"bench", add_bench_command},
+                                 {"rd", add_rd_command},
+                                 {"view", add_view_command},
+                                 {"serve", add_serve_command}};
     return verbs;
 }
 

@@ -35,6 +35,26 @@ public:
                          });
     }
 
+    Result<std::vector<glm::dvec4>> mean_values(std::span<const SurfacePoint> points,
+                                                const glm::dvec2& covered) override {
+        if constexpr (requires { surface_.seen_from(points[0], glm::dvec3(), covered); }) {
+            CachedTexels texels(cache_);
+            std::vector<glm::dvec4> means;
+            for (const SurfacePoint& point : points) {
+                glm::dvec3 sum(0.0);
+                for (const glm::dvec3& view : mean_views(point.frame)) {
+                    TESSERA_TRY_ASSIGN(const glm::dvec3 value,
+                                       colour(texels, surface_.seen_from(point, view, covered)));
+                    sum += value;
+                }
+                means.emplace_back(sum / static_cast<double>(mean_view_count), 1.0);
+            }
+            return means;
+        } else {
+            return ViewRenderer::mean_values(points, covered);
+        }
+    }
+
 private:
     // The blocks that every fourth pixel of every fourth row needs. A block that they miss covers
     // few pixels.
@@ -54,9 +74,11 @@ private:
     Result<glm::dvec3> colour(CachedTexels& texels, const Camera& camera,
                               const glm::dvec3& direction) const {
         const auto found = surface_.seen(camera, direction, width_);
-        if (!found)
-            return background_;
-        TESSERA_TRY_ASSIGN(const glm::dvec4 value, sample(texels, *found));
+        return found ? colour(texels, *found) : background_;
+    }
+
+    static Result<glm::dvec3> colour(CachedTexels& texels, const SeenTexels& seen) {
+        TESSERA_TRY_ASSIGN(const glm::dvec4 value, sample(texels, seen));
         return texels.desc().channels >= 3 ? glm::dvec3(value) : glm::dvec3(value.x);
     }
 

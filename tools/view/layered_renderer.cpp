@@ -87,9 +87,16 @@ public:
         });
     }
 
+    Result<std::vector<glm::dvec4>> mean_values(std::span<const SurfacePoint> points,
+                                                const glm::dvec2& covered) override;
+
 private:
     Result<glm::dvec3> colour(Readers& readers, const Camera& camera,
                               const glm::dvec3& direction) const;
+    // The display values that leave a point in the unit direction `view`. `covered` as in
+    // mean_values().
+    Result<glm::dvec3> shown(Readers& readers, const SurfacePoint& point, const glm::dvec3& view,
+                             const glm::dvec2& covered) const;
     Result<std::optional<MeshHit>> first_hit(Readers& readers, const Camera& camera,
                                              const glm::dvec3& direction) const;
     // The value of a layer: linear and scaled, but normals and coverage as they are stored. Nothing
@@ -210,16 +217,39 @@ Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camer
     TESSERA_TRY_ASSIGN(const auto hit, first_hit(readers, camera, direction));
     if (!hit)
         return background_;
-    const glm::dvec3 view = -glm::normalize(direction);
-    const glm::dvec2 covered = width_ * hit->covered, uv = hit->point.uv;
+    return shown(readers, hit->point, -glm::normalize(direction), width_ * hit->covered);
+}
+
+Result<std::vector<glm::dvec4>> LayeredRenderer::mean_values(std::span<const SurfacePoint> points,
+                                                             const glm::dvec2& covered) {
+    Readers readers;
+    for (const auto& layer : layers_)
+        readers.emplace_back(layer->cache());
+    std::vector<glm::dvec4> means;
+    for (const SurfacePoint& point : points) {
+        glm::dvec3 sum(0.0);
+        for (const glm::dvec3& view : mean_views(point.frame)) {
+            TESSERA_TRY_ASSIGN(const glm::dvec3 value, shown(readers, point, view, covered));
+            sum += value;
+        }
+        TESSERA_TRY_ASSIGN(const auto there, value(readers, LayerRole::coverage, point.uv,
+                                                   glm::dvec2(0.5), glm::dvec2(0.0)));
+        means.emplace_back(sum / static_cast<double>(mean_view_count), there ? there->x : 1.0);
+    }
+    return means;
+}
+
+Result<glm::dvec3> LayeredRenderer::shown(Readers& readers, const SurfacePoint& point,
+                                          const glm::dvec3& view, const glm::dvec2& covered) const {
+    const glm::dvec2 uv = point.uv;
     const auto get = [&](LayerRole role, const glm::dvec2& st = glm::dvec2(0.5)) {
         return value(readers, role, uv, st, covered);
     };
-    Reflectance reflectance{.normal = hit->point.frame.ez, .view = view};
+    Reflectance reflectance{.normal = point.frame.ez, .view = view};
     TESSERA_TRY_ASSIGN(const auto bump, get(LayerRole::normal));
     if (bump)
         reflectance.normal =
-            bumped_normal(hit->point.frame, (glm::dvec2(*bump) * 255.0 - 128.0) / 127.0);
+            bumped_normal(point.frame, (glm::dvec2(*bump) * 255.0 - 128.0) / 127.0);
     reflectance.normal = facing_normal(reflectance.normal, view);
     TESSERA_TRY_ASSIGN(const auto diffuse, get(LayerRole::diffuse));
     glm::dvec3 light(*diffuse);
@@ -233,12 +263,12 @@ Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camer
                            light_of_lights(readers, reflectance, uv, covered));
         reflected = reflectance.of_reflection();
         TESSERA_TRY_ASSIGN(const auto environment,
-                           environment_light(readers, reflectance, hit->point.frame));
+                           environment_light(readers, reflectance, point.frame));
         light += environment
                      ? direct.with_environment(reflected * *environment, reflectance.roughness)
                      : direct.points + direct.patches;
     }
-    SurfaceFrame frame = hit->point.frame;
+    SurfaceFrame frame = point.frame;
     frame.ez = reflectance.normal;
     const glm::dvec2 mirrored = octahedral_place(AngularMap::octahedral_mirrored, frame, view);
     TESSERA_TRY_ASSIGN(const auto reflection, get(LayerRole::reflection, mirrored));
@@ -247,13 +277,13 @@ Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camer
     TESSERA_TRY_ASSIGN(const auto emission, get(LayerRole::emission));
     if (emission)
         light += glm::dvec3(*emission);
-    glm::dvec3 shown = corpus::Display().value(light);
+    glm::dvec3 sum = corpus::Display().value(light);
     for (const LayerRole role : {LayerRole::difference, LayerRole::shared_difference}) {
         TESSERA_TRY_ASSIGN(const auto difference, get(role, mirrored));
         if (difference)
-            shown += glm::dvec3(*difference);
+            sum += glm::dvec3(*difference);
     }
-    return glm::clamp(shown, 0.0, 1.0);
+    return glm::clamp(sum, 0.0, 1.0);
 }
 
 } // namespace

@@ -24,9 +24,12 @@ struct MeshPlaces {
         const auto hit = rays.first_hit(camera, direction);
         if (!hit)
             return std::nullopt;
-        const SurfacePoint& point = hit->point;
-        const glm::dvec2 st = octahedral_place(map, point.frame, -direction);
-        return texels_in_mips(*mips, size, map, point.uv, st, width * hit->covered);
+        return seen_from(hit->point, -direction, width * hit->covered);
+    }
+    SeenTexels seen_from(const SurfacePoint& point, const glm::dvec3& view,
+                         const glm::dvec2& covered) const {
+        const glm::dvec2 st = octahedral_place(map, point.frame, view);
+        return texels_in_mips(*mips, size, map, point.uv, st, covered);
     }
 };
 

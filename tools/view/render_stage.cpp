@@ -86,7 +86,11 @@ struct FileSurface {
 };
 
 Status open_texture_of(const StageRequest& r, Stage& stage) {
-    TESSERA_TRY_ASSIGN(stage.bytes, open_tess_bytes(r.file, "render"));
+    if (!r.bytes.empty()) {
+        stage.bytes = wrap_memory(r.bytes);
+    } else {
+        TESSERA_TRY_ASSIGN(stage.bytes, open_tess_bytes(r.file, "render"));
+    }
     stage.metered = std::make_unique<MeteredSource>(*stage.bytes);
     const bool is_remote = network_traffic(*stage.bytes).has_value();
     auto decoder = Decoder::open(is_remote ? *stage.bytes : *stage.metered, r.decode);

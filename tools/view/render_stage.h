@@ -18,6 +18,8 @@ struct StageRequest {
     // Either a .tess file, or the name of a built-in scene, whose texels are baked when they are
     // needed. The other one is empty.
     std::string file, scene;
+    // The bytes of the file, if it is in memory; then `file` only names it in messages.
+    std::span<const std::byte> bytes{};
     std::string texture_size; // of the scene's texture, "UxVxSxT"; empty: the scene's default
     DecodeOptions decode;
     std::string via = "cpu";      // cpu, gpu, load or feedback

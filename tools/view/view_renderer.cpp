@@ -113,6 +113,25 @@ private:
 
 } // namespace
 
+std::array<glm::dvec3, mean_view_count> mean_views(const SurfaceFrame& frame) {
+    // A sunflower on the disk below the hemisphere (Vogel 1979).
+    constexpr double golden_angle = 2.399963229728653;
+    std::array<glm::dvec3, mean_view_count> views{};
+    for (std::size_t k = 0; k < mean_view_count; ++k) {
+        const double square = (static_cast<double>(k) + 0.5) / mean_view_count;
+        const double angle = golden_angle * static_cast<double>(k), r = std::sqrt(square);
+        views[k] =
+            glm::normalize(frame.ex * (r * std::cos(angle)) + frame.ey * (r * std::sin(angle)) +
+                           frame.ez * std::sqrt(1.0 - square));
+    }
+    return views;
+}
+
+Result<std::vector<glm::dvec4>> ViewRenderer::mean_values(std::span<const SurfacePoint>,
+                                                          const glm::dvec2&) {
+    return Status(ErrorCode::unsupported, "only meshes drawn on the CPU have mean values");
+}
+
 Result<SphereWindow> sphere_window(const Description& d) {
     if (!is_sphere(d.proxy) || !(d.sphere_radius > 0))
         return Status(ErrorCode::unsupported,

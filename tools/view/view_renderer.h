@@ -7,11 +7,14 @@
 #include "corpus/photographs/pixel_filter.h"
 #include "corpus/scene.h"
 #include "format/metadata.h"
+#include "format/surface_mesh.h"
 #include "tools/support/traffic.h"
 #include "tools/view/camera.h"
 
+#include <array>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <memory>
 #include <optional>
 #include <span>
@@ -56,12 +59,23 @@ public:
     // Errors: bad_argument (the eye is on the wrong side of the sphere or window), io,
     // invalid_file, runtime (also when interrupted).
     virtual Result<View> render(const Camera& camera) = 0;
+    // The values, like those of a view, that leave a mesh at each point, as the mean over the
+    // observers around it (mean_views()); and in w, how much of the surface is there, 0 to 1.
+    // A point stands for `covered` of the atlas along u and v, as a share of the whole.
+    // Thread-safe. Errors: unsupported (no mesh, or drawn on the GPU), io, invalid_file.
+    virtual Result<std::vector<glm::dvec4>> mean_values(std::span<const SurfacePoint> points,
+                                                        const glm::dvec2& covered);
     // Calls the hook for the frames of all further views. Renderers that draw a view in one go
     // never call it.
     virtual void watch(FrameHook) {}
     // Nothing for renderers on the CPU.
     virtual std::optional<DeviceUse> device_use() const { return std::nullopt; }
 };
+
+// Unit vectors from a surface to observers all around it, more of them where they see more of it:
+// their density is that of the cosine to the normal.
+inline constexpr std::size_t mean_view_count = 16;
+std::array<glm::dvec3, mean_view_count> mean_views(const SurfaceFrame& frame);
 
 using corpus::SphereWindow;
 

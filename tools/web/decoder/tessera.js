@@ -23,6 +23,9 @@ export const LAYER_ROLE = Object.freeze(
     {diffuse: 0, emission: 1, specular: 2, roughness: 3, normal: 4, visibility: 5, reflection: 6,
      coverage: 7, environment: 8, difference: 9, sharedDifference: 10});
 
+// The glTF extension under which a .glb holds a .tess file (format/gltf/README.md).
+export const GLB_EXTENSION = 'TESSERA_texture_light_field';
+
 const ofGrid = 0xFFFFFFFF; // replaces the number of a level: the grid of level 0's tiles
 const failed = 1, wantsBytes = 2; // values that the module's functions return, as in exports.cpp
 
@@ -48,9 +51,14 @@ class Codec {
         this.module = module; // can be posted to workers
     }
 
-    // options: {partial: accept a truncated file, damaged: replace damaged tiles}
+    // bytes: a .tess file, or a .glb that holds one. options: {partial: accept a truncated file, damaged: replace
+    // damaged tiles}
     openBytes(bytes, options = {}) {
         bytes = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
+        if (isGlb(bytes)) {
+            const {begin, size} = placeInGlb(bytes.subarray(20, 20 + glbJsonBytes(bytes)), bytes.length);
+            bytes = bytes.subarray(begin, begin + size);
+        }
         const file = new TessFile(this.module, bytes.length, null);
         file._keep(0, bytes);
         file._open(options);
@@ -64,10 +72,36 @@ class Codec {
         return file;
     }
 
-    // Opens the file at a URL with range requests.
+    // Opens the .tess file, or the .glb that holds one, at a URL with range requests.
     async openUrl(url, options = {}) {
-        return this.openSource(await httpSource(url, options), options);
+        return this.openSource(await glbPayload(await httpSource(url, options)), options);
     }
+}
+
+// The .tess file in a source that is a .glb; any other source itself.
+export async function glbPayload(source) {
+    const head = new Uint8Array(await source.read(0, Math.min(20, source.size)));
+    if (!isGlb(head))
+        return source;
+    const {begin, size} = placeInGlb(new Uint8Array(await source.read(20, glbJsonBytes(head))), source.size);
+    return {size, read: (offset, length) => source.read(begin + offset, length)};
+}
+
+const wordAt = (bytes, offset) => new DataView(bytes.buffer, bytes.byteOffset).getUint32(offset, true);
+const isGlb = bytes => bytes.length >= 20 && wordAt(bytes, 0) === 0x46546C67;
+const glbJsonBytes = head => wordAt(head, 12);
+
+// json: the bytes of the first chunk; length: of the whole file.
+function placeInGlb(json, length) {
+    const gltf = JSON.parse(new TextDecoder().decode(json));
+    const texture = gltf.textures?.find(({extensions}) => extensions?.[GLB_EXTENSION]);
+    if (!texture)
+        throw new Error('the glTF file has no Tessera texture');
+    const view = gltf.bufferViews?.[texture.extensions[GLB_EXTENSION].bufferView];
+    const begin = 28 + json.length + (view?.byteOffset ?? 0), size = view?.byteLength;
+    if (view?.buffer !== 0 || !(size >= 0 && begin >= 28 + json.length && begin + size <= length))
+        throw new Error('the Tessera texture is not within the glTF file');
+    return {begin, size};
 }
 
 class TessFile {

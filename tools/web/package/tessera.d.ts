@@ -216,11 +216,11 @@ export interface ByteSource {
 export class Codec {
     /** Can be posted to workers, which pass it to loadTessera(). */
     readonly module: WebAssembly.Module;
-    /** Opens a file that is in memory. */
+    /** Opens a file that is in memory: a .tess, or a .glb that holds one. */
     openBytes(bytes: Uint8Array | ArrayBuffer, options?: OpenOptions): TessFile;
     /** Opens a file whose bytes are read from `source` as they are needed. */
     openSource(source: ByteSource, options?: OpenOptions): Promise<TessFile>;
-    /** Opens a file on a web server; its bytes are requested as they are needed. */
+    /** Opens a .tess, or a .glb that holds one, on a web server; its bytes are requested as they are needed. */
     openUrl(url: string, options?: OpenOptions & HttpOptions): Promise<TessFile>;
 }
 
@@ -228,6 +228,12 @@ export class Codec {
 export function loadTessera(
     wasm: BufferSource | Response | WebAssembly.Module | Promise<BufferSource | Response | WebAssembly.Module>
 ): Promise<Codec>;
+
+/** The glTF extension under which a .glb holds a .tess file. */
+export const GLB_EXTENSION: 'TESSERA_texture_light_field';
+
+/** The .tess file in a source that is a .glb; any other source itself. Throws if the .glb holds none. */
+export function glbPayload(source: ByteSource): Promise<ByteSource>;
 
 /** A file on a web server, read with range requests. Failed requests are repeated. */
 export function httpSource(url: string, options?: HttpOptions): Promise<ByteSource>;

@@ -1,4 +1,5 @@
 // Types of tessera_three.js. `THREE` is the caller's three.js module.
+import type {Surface} from './surface_shader.js';
 import type {Info} from './tessera.js';
 
 /** The parts of three.js that are used. */
@@ -11,6 +12,11 @@ export interface Three {
  * proxy is another one or if the size of `rgba` is wrong.
  */
 export function tesseraMaterial(THREE: Three, info: Info, rgba: Uint8Array): any;
+/**
+ * The same for a mesh with one texture or with layers. The geometry needs the attributes position, normal and uv, and
+ * those that attributesOf() of `surface` lists.
+ */
+export function surfaceMaterial(THREE: Three, surface: Surface): any;
 /** A Mesh that shows a texture on a sphere, at its position in the world. Throws if the proxy is not a sphere. */
 export function tesseraSphere(THREE: Three, info: Info, rgba: Uint8Array): any;
 /**

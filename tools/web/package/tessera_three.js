@@ -6,35 +6,24 @@
 //
 // Colours are written as they are stored, ready for the display, without lights or tone mapping.
 import {sampling} from './sampling.js';
+import {fragmentShader, surfaceOf, vertexShader} from './surface_shader.js';
 import {ANGULAR_MAP, PROXY} from './tessera.js';
 
 const isSphere = info => info.proxy === PROXY.sphere || info.proxy === PROXY.sphereInside;
 
-const vertexShader = `precision highp float;
+const sphereVertexShader = `precision highp float;
 precision highp int;
 uniform mat4 modelMatrix, modelViewMatrix, projectionMatrix;
 uniform vec3 cameraPosition;
 in vec3 position;
 out vec3 place, eye; // in the object's coordinates
-#ifdef TESSERA_MESH
-in vec3 normal;
-in vec4 tangent;
-in vec2 uv;
-centroid out vec3 surfaceNormal, surfaceTangent;
-centroid out vec2 surfacePlace;
-#endif
 void main() {
     place = position;
     eye = (inverse(modelMatrix) * vec4(cameraPosition, 1.0)).xyz;
-#ifdef TESSERA_MESH
-    surfaceNormal = normal;
-    surfaceTangent = tangent.xyz;
-    surfacePlace = uv;
-#endif
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 
-const fragmentShader = `precision highp float;
+const sphereShader = `precision highp float;
 precision highp int;
 precision highp sampler2D;
 ${sampling}
@@ -48,9 +37,6 @@ vec4 imageColour(ivec2 texel, TsrAngularFootprint f) {
     vec2 at = clamp(vec2(f.low) + vec2(notEqual(f.low, f.high)) * f.weight, vec2(0.0), vec2(size.zw - 1)) + 0.5;
     return texture(atlas, (vec2(texel * size.zw) + at) / vec2(size.xy * size.zw));
 }
-`;
-
-const sphereShader = `
 uniform float radius;
 uniform bool inside;
 vec4 placeColour(ivec2 texel, vec3 direction) {
@@ -70,54 +56,50 @@ void main() {
                  f.weight.y);
 }`;
 
-const meshShader = `
-uniform int angularMap;
-centroid in vec3 surfaceNormal, surfaceTangent;
-centroid in vec2 surfacePlace;
-vec4 placeColour(ivec2 texel, TsrOctahedralTaps taps) {
-    if (angularMap != tsr_map_mirrored || !tsr_crosses_fold(taps, size.zw))
-        return imageColour(texel, tsr_ended(taps, size.zw));
-    vec4 sum = vec4(0.0); // at the edge of the mirrored map the four texels are not adjacent
-    for (int i = 0; i < 4; ++i) {
-        ivec2 corner = ivec2(i & 1, i >> 1);
-        vec2 share = mix(1.0 - taps.weight, taps.weight, vec2(corner));
-        sum += share.x * share.y * texelFetch(atlas, texel * size.zw + tsr_folded(taps.first + corner, size.zw), 0);
-    }
-    return sum;
-}
-void main() {
-    vec3 direction = normalize(eye - place);
-    TsrMeshFrame frame = tsr_mesh_frame(surfaceNormal, surfaceTangent, direction);
-    TsrOctahedralTaps taps = tsr_octahedral_taps(tsr_octahedral_place(angularMap, frame, direction), size.zw);
-    TsrSurfaceFootprint f = tsr_atlas_footprint(surfacePlace, size.xy);
-    colour = mix(mix(placeColour(f.low, taps), placeColour(ivec2(f.high.x, f.low.y), taps), f.weight.x),
-                 mix(placeColour(ivec2(f.low.x, f.high.y), taps), placeColour(f.high, taps), f.weight.x),
-                 f.weight.y);
-}`;
-
-// rgba: file.atlas() of the whole texture. The picture must fit into a texture of the GPU; practically all devices
+// rgba: file.atlas() of the whole texture. Its picture must fit into a texture of the GPU; practically all devices
 // allow sides of 8192 texels. The viewer of `tessera view` shows larger textures with a tile cache.
 export function tesseraMaterial(THREE, info, rgba) {
-    const isMesh = info.proxy === PROXY.mesh;
-    if (!isMesh && !isSphere(info))
+    if (info.proxy !== PROXY.mesh && !isSphere(info))
         throw new Error(`there is no material for textures with the proxy "${info.names.proxy}"`);
     const [U, V, S, T] = info.size;
     if (rgba.length !== U * V * S * T * 4)
         throw new Error(`the atlas has ${rgba.length} bytes, a texture of ${info.size.join('x')} ${U * V * S * T * 4}`);
-    const atlas = new THREE.DataTexture(rgba, U * S, V * T, THREE.RGBAFormat, THREE.UnsignedByteType);
-    atlas.minFilter = atlas.magFilter = THREE.LinearFilter;
-    atlas.generateMipmaps = false;
-    atlas.needsUpdate = true;
-    const uniforms = {atlas: {value: atlas}, size: {value: new Int32Array(info.size)}};
-    if (isMesh)
-        uniforms.angularMap = {value: info.angularMap};
-    else
-        Object.assign(uniforms, {radius: {value: info.radius}, inside: {value: info.inside}});
-    const material = new THREE.RawShaderMaterial({
-        glslVersion: THREE.GLSL3, uniforms, vertexShader,
-        fragmentShader: fragmentShader + (isMesh ? meshShader : sphereShader),
-        defines: isMesh ? {TESSERA_MESH: 1} : {}, side: info.inside ? THREE.BackSide : THREE.FrontSide,
-    });
+    if (info.proxy === PROXY.mesh)
+        return surfaceMaterial(THREE, surfaceOf(info, rgba));
+    const atlas = pictureTexture(THREE, rgba, U * S, V * T, THREE.UnsignedByteType, THREE.LinearFilter);
+    const uniforms = {atlas: {value: atlas}, size: {value: new Int32Array(info.size)}, radius: {value: info.radius},
+                      inside: {value: info.inside}};
+    return rawMaterial(THREE, uniforms, sphereVertexShader, sphereShader, info.inside ? THREE.BackSide : THREE.FrontSide);
+}
+
+// A material for a surface of readSurface() or surfaceOf() in surface_shader.js: a mesh with one texture or with
+// layers. The geometry needs the attributes position, normal and uv, and tangent if attributesOf() lists it.
+export function surfaceMaterial(THREE, surface) {
+    const uniforms = {}, {layers, lights} = surface;
+    for (const {name, picture: {width, height, half, pixels}} of layers)
+        uniforms[`${name}Layer`] = {value: pictureTexture(THREE, pixels, width, height,
+                                                          half ? THREE.HalfFloatType : THREE.UnsignedByteType,
+                                                          THREE.LinearFilter)};
+    if (lights.count)
+        uniforms.lights = {value: pictureTexture(THREE, lights.pixels, 2, lights.count, THREE.FloatType,
+                                                 THREE.NearestFilter)};
+    const vertex = vertexShader({
+        uniforms: 'uniform mat4 modelMatrix, modelViewMatrix, projectionMatrix;\nuniform vec3 cameraPosition;',
+        eye: '(inverse(modelMatrix) * vec4(cameraPosition, 1.0)).xyz', project: '(projectionMatrix * modelViewMatrix)'});
+    return rawMaterial(THREE, uniforms, vertex, fragmentShader(surface), THREE.FrontSide);
+}
+
+function pictureTexture(THREE, pixels, width, height, type, filter) {
+    const texture = new THREE.DataTexture(pixels, width, height, THREE.RGBAFormat, type);
+    texture.minFilter = texture.magFilter = filter;
+    texture.generateMipmaps = false;
+    texture.needsUpdate = true;
+    return texture;
+}
+
+function rawMaterial(THREE, uniforms, vertexShader, fragmentShader, side) {
+    const material =
+        new THREE.RawShaderMaterial({glslVersion: THREE.GLSL3, uniforms, vertexShader, fragmentShader, side});
     material.toneMapped = false;
     return material;
 }

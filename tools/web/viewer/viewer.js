@@ -15,11 +15,12 @@ class Viewer {
     async start(inputs) {
         this.gl = this.context();
         this.source = inputs.url ? await new RemoteSource(inputs.url, text => this.page.say(text)).open() : null;
-        this.fileBytes = inputs.bytes ? inputs.bytes.length : this.source.size;
+        const file = this.source && await glbPayload(this.source);
+        this.fileBytes = inputs.bytes ? inputs.bytes.length : file.size;
         this.bytes = inputs.bytes || null;
-        if (this.source && this.source.size <= smallFile && !this.hash.has('parts'))
-            this.bytes = await this.source.read(0, this.source.size);
-        this.workers = new Workers(this.kit, this.bytes ? null : this.source, this.bytes);
+        if (file && file.size <= smallFile && !this.hash.has('parts'))
+            this.bytes = await file.read(0, file.size);
+        this.workers = new Workers(this.kit, this.bytes ? null : file, this.bytes);
         this.opened = await this.workers.open();
         this.info = this.opened.info;
         await this.setUp(await inputs.viewData);

@@ -3,7 +3,7 @@
 class Workers {
     static jobsAhead = 2; // jobs per worker: one that is decoded, and one that is ready when it ends
 
-    // source: a RemoteSource, or null if `bytes` is the whole file.
+    // source: {size, read(offset, length)}, or null if `bytes` is the whole file.
     constructor(kit, source, bytes) {
         const code = ['tessera.js', 'slot_layout.js', 'tile_worker.js']
                          .map(name => kit.text(name).replace(/^export /gm, ''))

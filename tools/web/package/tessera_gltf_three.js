@@ -1,0 +1,39 @@
+// A plugin for three.js' GLTFLoader that shows Tessera's textures.
+//
+//   const loader = new GLTFLoader();
+//   loader.register(tesseraGltf(THREE, fetch('tessera.wasm')));
+//   scene.add((await loader.loadAsync('bunny.glb')).scene);
+//
+// A texture that cannot be read is replaced by the picture that the file has for other viewers, with a warning.
+import {GLB_EXTENSION, GltfTextures} from './tessera_gltf.js';
+import {surfaceMaterial} from './tessera_three.js';
+
+// The longest side of textures of the device, in pixels. The loader does not know the renderer.
+function longestSide() {
+    const gl = document.createElement('canvas').getContext('webgl2'), side = gl?.getParameter(gl.MAX_TEXTURE_SIZE);
+    gl?.getExtension('WEBGL_lose_context')?.loseContext();
+    return side;
+}
+
+// wasm: as for loadTessera(). warn(text) is called with a sentence for each texture that is replaced.
+export function tesseraGltf(THREE, wasm, warn = text => console.warn(text)) {
+    const textures = new GltfTextures(wasm);
+    return parser => ({
+        name: GLB_EXTENSION,
+        loadMaterial(index) {
+            if (!GltfTextures.find(parser.json, index))
+                return null;
+            const readView = async view => new Uint8Array(await parser.getDependency('bufferView', view));
+            return textures.surface(parser.json, index, readView, longestSide())
+                .then(surface => {
+                    const material = surfaceMaterial(THREE, surface);
+                    material.name = parser.json.materials[index].name ?? '';
+                    return material;
+                })
+                .catch(error => {
+                    warn(`${GLB_EXTENSION}: ${error.message}; the picture is shown instead`);
+                    return parser.loadMaterial(index);
+                });
+        },
+    });
+}
