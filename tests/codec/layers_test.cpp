@@ -237,6 +237,9 @@ TEST(LayeredFiles, RolesNeedTheirChannelsAndDirections) {
     EXPECT_FALSE(ok(LayerRole::diffuse, {9, 9, 2, 1}, 3));
     EXPECT_FALSE(ok(LayerRole::normal, {9, 9, 1, 1}, 3));
     EXPECT_TRUE(ok(LayerRole::normal, {9, 9, 1, 1}, 2));
+    EXPECT_TRUE(ok(LayerRole::opacity, {9, 9, 1, 1}, 1));
+    EXPECT_FALSE(ok(LayerRole::opacity, {9, 9, 1, 1}, 3));
+    EXPECT_FALSE(ok(LayerRole::opacity, {9, 9, 1, 2}, 1));
     EXPECT_TRUE(ok(LayerRole::visibility, {9, 9, 3, 2}, 1));
     EXPECT_FALSE(ok(LayerRole::visibility, {9, 9, 2, 2}, 1));
     EXPECT_TRUE(ok(LayerRole::reflection, {9, 9, 3, 2}, 3, mirrored));

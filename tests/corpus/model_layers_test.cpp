@@ -140,6 +140,43 @@ TEST(ModelLayers, CoverageFollowsAlphaMasks) {
         EXPECT_NE(other.role, LayerRole::coverage);
 }
 
+// Blending becomes opacity. The other layers hold the light of the surface itself, except where it
+// is invisible.
+TEST(ModelLayers, OpacityFollowsBlending) {
+    Model model = cube_model();
+    model.materials[0].metal = 0;
+    model.materials[0].roughness = 1;
+    model.materials[0].blends = true;
+    for (ModelVertex& v : model.vertices)
+        v.colour.a = v.position.y > 0 ? 0.5f : 0.0f;
+    const ModelLayers layers = baked(model, white_light(), quick());
+    const LayerTexture& opacity = layer(layers, LayerRole::opacity);
+    const LayerTexture& diffuse = layer(layers, LayerRole::diffuse);
+    double invisible = 0, half = 0, sum = 0, count = 0;
+    for (std::size_t i = 0; i < opacity.mask.size(); ++i)
+        if (opacity.mask[i] != std::byte{0}) {
+            const double o = std::to_integer<int>(opacity.texels[i]) / 255.0;
+            EXPECT_LT(o, 0.51);
+            sum += o;
+            ++count;
+            half += o > 0.49;
+            invisible += diffuse.mask[i] == std::byte{0};
+            if (o > 0.0)
+                ASSERT_EQ(diffuse.mask[i], std::byte{1});
+            if (diffuse.mask[i] != std::byte{0})
+                ASSERT_GT(diffuse.scale *
+                              srgb_to_linear(std::to_integer<int>(diffuse.texels[3 * i]) / 255.0),
+                          0.8)
+                    << i;
+        }
+    // The sides fade from half to nothing.
+    EXPECT_NEAR(sum / count, (0.5 + 4 * 0.25) / 6, 0.01);
+    EXPECT_NEAR(half / count, 1.0 / 6, 0.03);
+    EXPECT_GT(invisible, 0.0);
+    for (const LayerTexture& other : baked(cube_model(), white_light(), quick()).layers)
+        EXPECT_NE(other.role, LayerRole::opacity);
+}
+
 // A clear wall shows the light behind it in the layer of emission; a clear coat adds to the mirror,
 // and sheen to diffuse light.
 TEST(ModelLayers, CoatsBecomeTheNearestLobes) {

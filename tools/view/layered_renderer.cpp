@@ -13,8 +13,9 @@
 namespace tessera {
 namespace {
 
-constexpr int most_holes = 64;       // of one ray
-constexpr double step_behind = 1e-5; // past a hole, relative to its distance
+constexpr int most_places = 64;             // that a ray meets
+constexpr double step_behind = 1e-5;        // past a place, relative to its distance
+constexpr double least_share = 1.0 / 512.0; // of the light behind, which is not worth following
 
 glm::dvec3 linear(const glm::dvec3& value, Transfer transfer) {
     if (transfer != Transfer::srgb)
@@ -90,10 +91,17 @@ public:
 private:
     Result<glm::dvec3> colour(Readers& readers, const Camera& camera,
                               const glm::dvec3& direction) const;
-    Result<std::optional<MeshHit>> first_hit(Readers& readers, const Camera& camera,
-                                             const glm::dvec3& direction) const;
-    // The value of a layer: linear and scaled, but normals and coverage as they are stored. Nothing
-    // if the file has no such layer.
+    struct Leaving {
+        glm::dvec3 light{0.0}; // linear
+        glm::dvec3 shown{0.0}; // by a display
+    };
+    // The light that leaves the place against the direction.
+    Result<Leaving> leaving(Readers& readers, const MeshHit& hit,
+                            const glm::dvec3& direction) const;
+    // The opacity of the place; 0 where it is not covered.
+    Result<double> opacity(Readers& readers, const MeshHit& hit) const;
+    // The value of a layer: linear and scaled, but normals, coverage and opacity as they are stored.
+    // Nothing if the file has no such layer.
     Result<std::optional<glm::dvec4>> value(Readers& readers, LayerRole role, const glm::dvec2& uv,
                                             const glm::dvec2& st, const glm::dvec2& covered) const;
     Result<LightSum> light_of_lights(Readers& readers, const Reflectance& reflectance,
@@ -125,7 +133,7 @@ Result<std::optional<glm::dvec4>> LayeredRenderer::value(Readers& readers, Layer
             const glm::dvec4 value,
             sample(readers[i], layer.seen(AngularMap::octahedral_mirrored, uv, st, covered)));
         const DrawnLayer& drawn = layer.drawn();
-        if (role == LayerRole::normal || role == LayerRole::coverage)
+        if (role == LayerRole::normal || role == LayerRole::coverage || role == LayerRole::opacity)
             return std::optional(value); // not light
         if (is_signed(role))
             return std::optional(drawn.scale * glm::dvec4(signed_value(value.x),
@@ -188,38 +196,62 @@ Result<std::optional<glm::dvec3>> LayeredRenderer::environment_light(Readers& re
     return std::optional(glm::dvec3(*light));
 }
 
-// Passes through places that are not covered.
-Result<std::optional<MeshHit>> LayeredRenderer::first_hit(Readers& readers, const Camera& camera,
-                                                          const glm::dvec3& direction) const {
-    double from = 0.0;
-    for (int i = 0; i < most_holes; ++i) {
-        const auto hit = rays_.first_hit(camera, direction, from);
-        if (!hit)
-            return std::optional<MeshHit>();
-        TESSERA_TRY_ASSIGN(const auto covered, value(readers, LayerRole::coverage, hit->point.uv,
-                                                     glm::dvec2(0.5), glm::dvec2(0.0)));
-        if (!covered || covered->x >= least_coverage)
-            return hit;
-        from = hit->distance + step_behind * std::max(1.0, hit->distance);
-    }
-    return std::optional<MeshHit>();
+Result<double> LayeredRenderer::opacity(Readers& readers, const MeshHit& hit) const {
+    TESSERA_TRY_ASSIGN(const auto coverage, value(readers, LayerRole::coverage, hit.point.uv,
+                                                  glm::dvec2(0.5), glm::dvec2(0.0)));
+    if (coverage && coverage->x < least_coverage)
+        return 0.0;
+    TESSERA_TRY_ASSIGN(const auto opacity, value(readers, LayerRole::opacity, hit.point.uv,
+                                                 glm::dvec2(0.5), width_ * hit.covered));
+    return opacity && opacity->x < full_opacity ? opacity->x : 1.0;
 }
 
+// Collects the surfaces that the ray passes, and mixes them from behind.
 Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camera,
                                            const glm::dvec3& direction) const {
-    TESSERA_TRY_ASSIGN(const auto hit, first_hit(readers, camera, direction));
-    if (!hit)
-        return background_;
+    struct Passed {
+        glm::dvec3 light;
+        double opacity;
+    };
+    std::vector<Passed> passed;
+    glm::dvec3 behind = background_;
+    double from = 0.0, share = 1.0;
+    for (int i = 0; i < most_places && share >= least_share; ++i) {
+        const auto hit = rays_.first_hit(camera, direction, from);
+        if (!hit)
+            break;
+        TESSERA_TRY_ASSIGN(const double o, opacity(readers, *hit));
+        from = hit->distance + step_behind * std::max(1.0, hit->distance);
+        if (o <= 0.0)
+            continue;
+        TESSERA_TRY_ASSIGN(const Leaving leaves, leaving(readers, *hit, direction));
+        if (o == 1.0) {
+            behind = leaves.shown;
+            break;
+        }
+        passed.push_back({leaves.light, o});
+        share *= 1.0 - o;
+    }
+    if (passed.empty())
+        return behind;
+    glm::dvec3 seen = linear(behind, Transfer::srgb);
+    for (auto surface = passed.rbegin(); surface != passed.rend(); ++surface)
+        seen = blended(surface->light, surface->opacity, seen);
+    return corpus::Display().value(seen);
+}
+
+Result<LayeredRenderer::Leaving> LayeredRenderer::leaving(Readers& readers, const MeshHit& hit,
+                                                          const glm::dvec3& direction) const {
     const glm::dvec3 view = -glm::normalize(direction);
-    const glm::dvec2 covered = width_ * hit->covered, uv = hit->point.uv;
+    const glm::dvec2 covered = width_ * hit.covered, uv = hit.point.uv;
     const auto get = [&](LayerRole role, const glm::dvec2& st = glm::dvec2(0.5)) {
         return value(readers, role, uv, st, covered);
     };
-    Reflectance reflectance{.normal = hit->point.frame.ez, .view = view};
+    Reflectance reflectance{.normal = hit.point.frame.ez, .view = view};
     TESSERA_TRY_ASSIGN(const auto bump, get(LayerRole::normal));
     if (bump)
         reflectance.normal =
-            bumped_normal(hit->point.frame, (glm::dvec2(*bump) * 255.0 - 128.0) / 127.0);
+            bumped_normal(hit.point.frame, (glm::dvec2(*bump) * 255.0 - 128.0) / 127.0);
     reflectance.normal = facing_normal(reflectance.normal, view);
     TESSERA_TRY_ASSIGN(const auto diffuse, get(LayerRole::diffuse));
     glm::dvec3 light(*diffuse);
@@ -233,12 +265,12 @@ Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camer
                            light_of_lights(readers, reflectance, uv, covered));
         reflected = reflectance.of_reflection();
         TESSERA_TRY_ASSIGN(const auto environment,
-                           environment_light(readers, reflectance, hit->point.frame));
+                           environment_light(readers, reflectance, hit.point.frame));
         light += environment
                      ? direct.with_environment(reflected * *environment, reflectance.roughness)
                      : direct.points + direct.patches;
     }
-    SurfaceFrame frame = hit->point.frame;
+    SurfaceFrame frame = hit.point.frame;
     frame.ez = reflectance.normal;
     const glm::dvec2 mirrored = octahedral_place(AngularMap::octahedral_mirrored, frame, view);
     TESSERA_TRY_ASSIGN(const auto reflection, get(LayerRole::reflection, mirrored));
@@ -248,12 +280,15 @@ Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camer
     if (emission)
         light += glm::dvec3(*emission);
     glm::dvec3 shown = corpus::Display().value(light);
+    bool is_changed = false;
     for (const LayerRole role : {LayerRole::difference, LayerRole::shared_difference}) {
         TESSERA_TRY_ASSIGN(const auto difference, get(role, mirrored));
         if (difference)
             shown += glm::dvec3(*difference);
+        is_changed = is_changed || difference;
     }
-    return glm::clamp(shown, 0.0, 1.0);
+    shown = glm::clamp(shown, 0.0, 1.0);
+    return Leaving{is_changed ? linear(shown, Transfer::srgb) : light, shown};
 }
 
 } // namespace
