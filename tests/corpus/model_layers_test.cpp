@@ -4,7 +4,7 @@
 #include "corpus/layers/layer_trial.h"
 #include "corpus/layers/model_layers.h"
 #include "corpus/trace/path_random.h"
-#include "tests/support/model_files.h"
+#include "tests/support/traced_squares.h"
 
 #include <numbers>
 
@@ -171,10 +171,45 @@ TEST(ModelLayers, OpacityFollowsBlending) {
         }
     // The sides fade from half to nothing.
     EXPECT_NEAR(sum / count, (0.5 + 4 * 0.25) / 6, 0.01);
-    EXPECT_NEAR(half / count, 1.0 / 6, 0.03);
+    EXPECT_NEAR(half / count, 1.0 / 6, 0.06); // and the uppermost texels of the sides
     EXPECT_GT(invisible, 0.0);
     for (const LayerTexture& other : baked(cube_model(), white_light(), quick()).layers)
         EXPECT_NE(other.role, LayerRole::opacity);
+}
+
+// A card that is half transparent halves the visibility of a light and the diffuse light below it.
+TEST(ModelLayers, HalfTransparentCardsCastHalfAShadow) {
+    Model model;
+    model.materials.resize(2);
+    model.materials[0].metal = 0;
+    model.materials[1].base = {0, 0, 0, 0.5};
+    model.materials[1].blends = true;
+    add_square(model, 2, 0, false, 0);
+    add_square(model, 4, 1, false, 1);
+    add_square(model, 4, 1, true, 1);
+    ModelLayersOptions options = quick();
+    options.texels = 2000;
+    const ModelLayers layers =
+        baked(model, {uniform_environment(0.001f), Sun{{0, 1, 0}, glm::dvec3(3.0)}}, options);
+    const LayerTexture& visibility = layer(layers, LayerRole::visibility);
+    const std::size_t sun = layers.lights.size() - 1,
+                      stride = texel_count(visibility.desc.size) /
+                               (visibility.desc.size[axis_u] * visibility.desc.size[axis_v]);
+    ASSERT_EQ(layers.lights[sun].spread, 0.0f);
+    const double peak = visibility_peaks(layers.lights)[sun];
+    double half = 0, whole = 0;
+    for (std::size_t i = sun; i < visibility.mask.size(); i += stride)
+        if (visibility.mask[i] != std::byte{0}) {
+            const double share = std::to_integer<int>(visibility.texels[i]) / 255.0 / peak;
+            half += share > 0.45 && share < 0.55;
+            whole += share > 0.9;
+        }
+    EXPECT_NEAR(half / whole, 0.25, 0.15); // their areas, with the texels around them
+    const LayerTexture& diffuse = layer(layers, LayerRole::diffuse);
+    double brightest = 0;
+    for (const std::byte x : diffuse.texels)
+        brightest = std::max(brightest, srgb_to_linear(std::to_integer<int>(x) / 255.0));
+    EXPECT_NEAR(brightest * diffuse.scale, 0.5 * 3.0 * 0.96 / std::numbers::pi, 0.03);
 }
 
 // A clear wall shows the light behind it in the layer of emission; a clear coat adds to the mirror,
