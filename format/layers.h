@@ -31,13 +31,17 @@ enum class LayerRole : std::uint8_t {
     environment = 8,        // distant light from mirrored directions, in lobes of roughness along u
     difference = 9,         // what display values change by, by the mirrored direction
     shared_difference = 10, // the same of all places, with more directions
+    opacity = 11,           // the share of what lies behind that is not seen
 };
 template <>
-inline constexpr std::array<const char*, 11> value_names<LayerRole>{
-    "diffuse",    "emission", "specular",    "roughness",  "normal",           "visibility",
-    "reflection", "coverage", "environment", "difference", "shared_difference"};
+inline constexpr std::array<const char*, 12> value_names<LayerRole>{
+    "diffuse",     "emission",   "specular",          "roughness",
+    "normal",      "visibility", "reflection",        "coverage",
+    "environment", "difference", "shared_difference", "opacity"};
 
 inline constexpr double least_coverage = 0.5;
+// From this opacity on, a surface hides what lies behind it.
+inline constexpr double full_opacity = 254.0 / 255.0;
 
 // Distant light from a patch of directions.
 struct DistantLight {
@@ -102,6 +106,10 @@ inline double signed_value(double sample) {
 // Errors: invalid_file, without the file's name.
 Status check_layer(LayerRole role, const TextureDesc& desc, const Description& description,
                    std::size_t lights);
+
+// What an observer sees, in linear light clamped to 0..1: `light` leaves a surface of this opacity,
+// which is below full_opacity, and `behind` would be seen without the surface.
+glm::dvec3 blended(const glm::dvec3& light, double opacity, const glm::dvec3& behind);
 
 // The bumped normal, of unit length, whose x and y in the frame are `xy`. If that is longer than 1,
 // it is shortened to 1.

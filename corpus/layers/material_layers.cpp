@@ -41,7 +41,8 @@ std::optional<Material> material_of(const ModelPlaces& fine, const PlaceLight& l
     double lit = 0;
     constexpr double share = 1.0 / material_places.size();
     for (const glm::dvec2& offset : material_places) {
-        const ModelSurfacePlace at = fine.place(u, v, offset);
+        ModelSurfacePlace at = fine.place(u, v, offset);
+        at.point.opacity = 1.0; // layers hold the light of the surface itself
         const Lobes lobes = without_coats(at.point.lobes);
         const glm::dvec2 texel =
             (glm::dvec2(u + 0.5, v + 0.5) + offset) / static_cast<double>(finer);
@@ -64,22 +65,59 @@ std::optional<Material> material_of(const ModelPlaces& fine, const PlaceLight& l
     return sum;
 }
 
-// The share of the texel that alpha masks leave.
-double coverage_of(const ModelPlaces& fine, std::uint32_t u, std::uint32_t v) {
+// The mean of a function of the texel's places, from 0 to 1.
+template <class Share>
+double mean_over(const ModelPlaces& fine, std::uint32_t u, std::uint32_t v, const Share& share) {
     constexpr int side = 4;
-    int covered = 0;
+    double sum = 0;
     for (int j = 0; j < side; ++j)
         for (int i = 0; i < side; ++i) {
             const glm::dvec2 offset((i + 0.5) / side - 0.5, (j + 0.5) / side - 0.5);
-            covered += !fine.model()->is_cut_out(fine.place(u, v, offset).on);
+            sum += share(fine.place(u, v, offset).on);
         }
-    return static_cast<double>(covered) / (side * side);
+    return sum / (side * side);
+}
+
+// The share of the texel that alpha masks leave.
+double coverage_of(const ModelPlaces& fine, std::uint32_t u, std::uint32_t v) {
+    const RayModel& model = *fine.model();
+    return mean_over(fine, u, v, [&](const ModelPlace& place) {
+        const std::uint32_t material = model.model().triangles[place.triangle].material;
+        const bool is_removed =
+            model.model().materials[material].cutoff > 0.0 && model.is_cut_out(place);
+        return is_removed ? 0.0 : 1.0;
+    });
 }
 
 bool is_masked(const Model& model) {
     return std::ranges::any_of(model.triangles, [&](const ModelTriangle& t) {
         return model.materials[t.material].cutoff > 0.0;
     });
+}
+
+// The layer of opacity.
+Result<LayerTexture> bake_opacity(const ModelPlaces& fine, const BakeRun& run) {
+    const Texels2 size = fine.texel_places().size();
+    LayerTexture opacity = make_layer(LayerRole::opacity, {size[0], size[1], 1, 1}, 1);
+    TESSERA_TRY(for_rows("baking opacity", size[1], run, [&](std::uint32_t v) {
+        for (std::uint32_t u = 0; u < size[0]; ++u)
+            if (fine.texel_places().matters(u, v))
+                store_values(opacity, std::size_t{v} * size[0] + u,
+                             {mean_over(fine, u, v, [&](const ModelPlace& place) {
+                                 return fine.model()->opacity(place);
+                             })});
+    }));
+    return opacity;
+}
+
+// Whether interpolation between a texel and its neighbours shows a surface anywhere.
+bool is_visible_around(const LayerTexture& opacity, std::uint32_t u, std::uint32_t v) {
+    const std::uint32_t width = opacity.desc.size[axis_u], height = opacity.desc.size[axis_v];
+    for (std::uint32_t y = v > 0 ? v - 1 : 0; y <= std::min(v + 1, height - 1); ++y)
+        for (std::uint32_t x = u > 0 ? u - 1 : 0; x <= std::min(u + 1, width - 1); ++x)
+            if (opacity.texels[std::size_t{y} * width + x] != std::byte{0})
+                return true;
+    return false;
 }
 
 bool emits(const Model& model) {
@@ -108,6 +146,10 @@ Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
                  coverage = make_layer(LayerRole::coverage, whole, 1);
     const Model& model = fine.model()->model();
     const bool masked = is_masked(model);
+    std::optional<LayerTexture> opacity;
+    if (fine.model()->has_blending()) {
+        TESSERA_TRY_ASSIGN(opacity, bake_opacity(fine, run));
+    }
     specular.transfer = Transfer::srgb;
     LightTexels leaving(fine.texels(), glm::vec3(0.0f)), emitted = leaving;
     TESSERA_TRY(for_rows("baking materials", size[1], run, [&](std::uint32_t v) {
@@ -124,6 +166,8 @@ Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
                 if (covered == 0.0)
                     continue; // nobody sees the other layers
             }
+            if (opacity && !is_visible_around(*opacity, u, v))
+                continue;
             leaving[i] = glm::vec3(m->diffuse * exposure);
             emitted[i] = glm::vec3(m->emission * exposure);
             diffuse.mask[i] = emission.mask[i] = std::byte{1};
@@ -142,6 +186,8 @@ Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
     layers.push_back(std::move(diffuse));
     if (masked)
         layers.push_back(std::move(coverage));
+    if (opacity)
+        layers.push_back(std::move(*opacity));
     if (emits(model))
         layers.push_back(std::move(emission));
     for (LayerTexture* layer : {&specular, &roughness, &normal})

@@ -9,7 +9,7 @@ namespace tessera::corpus {
 // `fine` has `finer` times as many texels as the places of `light`, along u and v. `exposure`
 // multiplies light. Light that passes a material joins emitted light, the same for all views; other
 // extensions become the nearest lobes (without_coats()). There is no layer of emission if nothing
-// emits or passes light. The diffuse layer comes first.
+// emits or passes light, and none of opacity if no material blends. The diffuse layer comes first.
 // Errors: those of for_rows().
 Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
                                                        const PlaceLight& light,

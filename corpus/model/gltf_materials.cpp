@@ -176,16 +176,10 @@ Result<TextureUse> extension_texture(const tinygltf::Model& file, const tinygltf
 
 Status read_materials(const tinygltf::Model& file, const std::string& folder, Model& model) {
     model.materials.emplace_back(); // glTF's default
-    std::size_t blending = 0;
     for (std::size_t i = 0; i < file.materials.size(); ++i) {
         TESSERA_TRY_ASSIGN(const ModelMaterial material, read_material(file, i, model.notes));
         model.materials.push_back(material);
-        blending += file.materials[i].alphaMode == "BLEND";
     }
-    if (blending > 0)
-        model.notes.push_back("alphaMode BLEND (" + std::to_string(blending) +
-                              (blending == 1 ? " material" : " materials") +
-                              ") is not supported; such surfaces are opaque");
     std::vector<bool> is_used(file.images.size(), false);
     for (ModelMaterial& material : model.materials)
         for (const TextureUse* use : textures_of(material))

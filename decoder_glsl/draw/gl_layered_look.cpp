@@ -81,11 +81,21 @@ Result<MeshLook> layered_look(std::span<const ViewLayer> layers,
                             "GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS", layers.size()));
     MeshLook look;
     const std::string_view name = "layered_mesh.frag.glsl";
-    std::vector<ShaderDefine> defines = defines_of(layers, lights.size());
+    const std::vector<ShaderDefine> defines = defines_of(layers, lights.size());
     TESSERA_TRY_ASSIGN(look.fragment, shader_source(name, ShaderDialect::gl450, defines));
-    if (std::ranges::find(layers, LayerRole::coverage, &ViewLayer::role) != layers.end()) {
-        defines.emplace_back("TESSERA_COVERAGE_ONLY", "1");
-        TESSERA_TRY_ASSIGN(look.depth_fragment, shader_source(name, ShaderDialect::gl450, defines));
+    const auto has = [&](LayerRole role) {
+        return std::ranges::find(layers, role, &ViewLayer::role) != layers.end();
+    };
+    const auto source_with = [&](const char* macro) {
+        std::vector<ShaderDefine> all = defines;
+        all.emplace_back(macro, "1");
+        return shader_source(name, ShaderDialect::gl450, all);
+    };
+    if (has(LayerRole::coverage) || has(LayerRole::opacity)) {
+        TESSERA_TRY_ASSIGN(look.depth_fragment, source_with("TESSERA_COVERAGE_ONLY"));
+    }
+    if (has(LayerRole::opacity)) {
+        TESSERA_TRY_ASSIGN(look.blended_fragment, source_with("TESSERA_BLENDED"));
     }
     TESSERA_TRY_ASSIGN(GlBuffer buffer, GlBuffer::create(bytes, "layers and lights"));
     look.bytes = buffer.bytes();

@@ -1,4 +1,5 @@
-// Draws textured meshes as triangles: first their depths, then the colours of visible fragments.
+// Draws textured meshes as triangles: first their depths, then the colours of visible fragments, and
+// last those of surfaces that blend.
 #include "decoder_glsl/draw/gl_picture.h"
 #include "decoder_glsl/draw/gl_raster_state.h"
 #include "decoder_glsl/draw/view_drawing.h"
@@ -96,14 +97,17 @@ public:
     Status draw(const ViewCamera& camera) override {
         if (picture_.width() != camera.width || picture_.height() != camera.height) {
             picture_ = GlPicture();
-            TESSERA_TRY_ASSIGN(picture_, GlPicture::create(camera.width, camera.height));
+            TESSERA_TRY_ASSIGN(picture_, GlPicture::create(camera.width, camera.height, blends()));
         }
         const MeshViewBlock block = block_of(camera, bounds_);
         TESSERA_TRY(view_.upload(0, std::as_bytes(std::span(&block, 1))));
+        if (blends())
+            TESSERA_TRY(sort(as_vec(camera.eye)));
         {
             GlRasterState state(picture_.framebuffer(), static_cast<GLsizei>(camera.width),
                                 static_cast<GLsizei>(camera.height));
             picture_.clear(camera.outside);
+            state.write_linear(blends());
             glBindBufferBase(GL_UNIFORM_BUFFER, 0, view_.id());
             glBindVertexArray(array_.get());
             look_.bind();
@@ -113,6 +117,14 @@ public:
             state.write_colours();
             colours_.use();
             draw_triangles();
+            if (blends()) {
+                state.blend_colours();
+                blended_.use();
+                glVertexArrayElementBuffer(array_.get(), sorted_.id());
+                draw_triangles();
+                glVertexArrayElementBuffer(array_.get(), indices_.id());
+                state.write_linear(false);
+            }
             picture_.resolve();
         }
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
@@ -123,10 +135,12 @@ public:
 
     std::uint64_t bytes() const override {
         return picture_.bytes() + view_.bytes() + vertices_.bytes() + indices_.bytes() +
-               look_.bytes;
+               sorted_.bytes() + look_.bytes;
     }
 
 private:
+    bool blends() const { return !look_.blended_fragment.empty(); }
+
     Status make_programs() {
         TESSERA_TRY_ASSIGN(const auto vertex,
                            shader_source("mesh.vert.glsl", ShaderDialect::gl450));
@@ -136,7 +150,27 @@ private:
                          vertex, look_.depth_fragment.empty() ? nothing : look_.depth_fragment,
                          "mesh depths"));
         TESSERA_TRY_ASSIGN(colours_, GlProgram::graphics(vertex, look_.fragment, "mesh colours"));
+        if (blends()) {
+            TESSERA_TRY_ASSIGN(
+                blended_, GlProgram::graphics(vertex, look_.blended_fragment, "blended colours"));
+        }
         return {};
+    }
+
+    // Uploads the triangles in the order of their middles' distances from the eye, the farthest first.
+    Status sort(const glm::dvec3& eye) {
+        std::vector<std::pair<double, std::size_t>> order;
+        order.reserve(middles_.size());
+        for (std::size_t i = 0; i < middles_.size(); ++i) {
+            const glm::dvec3 way = glm::dvec3(middles_[i]) - eye;
+            order.emplace_back(-glm::dot(way, way), i);
+        }
+        std::ranges::sort(order);
+        std::vector<std::array<std::uint32_t, 3>> sorted;
+        sorted.reserve(order.size());
+        for (const auto& [distance, triangle] : order)
+            sorted.push_back(triangles_[triangle]);
+        return sorted_.upload(0, std::as_bytes(std::span(sorted)));
     }
 
     Status upload(const SurfaceMesh& mesh) {
@@ -151,6 +185,14 @@ private:
                            GlBuffer::create(std::as_bytes(std::span(mesh.triangles)), "triangles"));
         TESSERA_TRY_ASSIGN(view_,
                            GlBuffer::create(sizeof(MeshViewBlock), BufferUse::upload, "mesh view"));
+        if (blends()) {
+            triangles_ = mesh.triangles;
+            for (const auto& [a, b, c] : triangles_)
+                middles_.push_back((mesh.positions[a] + mesh.positions[b] + mesh.positions[c]) /
+                                   3.0f);
+            TESSERA_TRY_ASSIGN(
+                sorted_, GlBuffer::create(indices_.bytes(), BufferUse::upload, "sorted triangles"));
+        }
         count_ = static_cast<GLsizei>(mesh.triangles.size() * 3);
         GLuint id = 0;
         glCreateVertexArrays(1, &id);
@@ -171,8 +213,12 @@ private:
     void draw_triangles() const { glDrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr); }
 
     MeshLook look_;
-    GlProgram depths_, colours_;
+    GlProgram depths_, colours_, blended_;
     GlBuffer vertices_, indices_, view_;
+    // Of surfaces that blend: the triangles, their middles, and the indices sorted for a view.
+    std::vector<std::array<std::uint32_t, 3>> triangles_;
+    std::vector<glm::vec3> middles_;
+    GlBuffer sorted_;
     GlHandle<ReleaseVertexArray> array_;
     GLsizei count_ = 0;
     Bounds bounds_{};

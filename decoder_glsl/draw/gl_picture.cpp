@@ -29,11 +29,12 @@ bool is_complete(GLuint framebuffer) {
 
 } // namespace
 
-Result<GlPicture> GlPicture::create(std::uint32_t width, std::uint32_t height) {
+Result<GlPicture> GlPicture::create(std::uint32_t width, std::uint32_t height, bool is_srgb) {
     GlPicture p;
     TESSERA_TRY_ASSIGN(p.mean_,
                        GlTexture::create(TexelFormat::rgba16f, {width, height, 1}, "picture"));
-    p.colours_ = GlHandle<ReleaseRenderbuffer>(new_samples(GL_RGBA16F, width, height));
+    p.colours_ = GlHandle<ReleaseRenderbuffer>(
+        new_samples(is_srgb ? GL_SRGB8_ALPHA8 : GL_RGBA16F, width, height));
     p.depths_ = GlHandle<ReleaseRenderbuffer>(new_samples(GL_DEPTH_COMPONENT32F, width, height));
     const std::string what =
         "a picture of " + std::to_string(width) + " x " + std::to_string(height);

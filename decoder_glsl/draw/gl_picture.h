@@ -9,19 +9,21 @@
 
 namespace tessera {
 
-// Colours are half floats, which are exact to 1/16 of a step of 8-bit colours. Every call and the
+// Colours are half floats, which are exact to 1/16 of a step of 8-bit colours, or, to blend linear
+// light, 8-bit sRGB. Every call and the
 // destructor need a current OpenGL 4.5 context.
 class GlPicture {
 public:
     // Errors: runtime (no memory), unsupported (larger than the device draws).
-    static Result<GlPicture> create(std::uint32_t width, std::uint32_t height);
+    static Result<GlPicture> create(std::uint32_t width, std::uint32_t height, bool is_srgb);
 
     std::uint32_t width() const { return mean_.shape().width; }
     std::uint32_t height() const { return mean_.shape().height; }
     GLuint framebuffer() const { return samples_.get(); }
     // Clears to `colour` and the farthest depth. OpenGL's masks and scissors apply.
     void clear(const std::array<float, 4>& colour);
-    // Computes the means of the samples.
+    // Computes the means of the samples. GL_FRAMEBUFFER_SRGB must be off: the means are of display
+    // values.
     void resolve();
     // The means, RGBA, rows in the order in which they were drawn.
     Result<std::vector<float>> read() const;

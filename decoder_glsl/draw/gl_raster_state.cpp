@@ -7,21 +7,15 @@ struct Switch {
     GLenum name;
     bool on;
 };
-constexpr Switch switch_table[] = {{GL_DEPTH_TEST, true},
-                                   {GL_CULL_FACE, true},
-                                   {GL_MULTISAMPLE, true},
-                                   {GL_BLEND, false},
-                                   {GL_SCISSOR_TEST, false},
-                                   {GL_STENCIL_TEST, false},
-                                   {GL_RASTERIZER_DISCARD, false},
-                                   {GL_SAMPLE_SHADING, false},
-                                   {GL_SAMPLE_MASK, false},
-                                   {GL_SAMPLE_COVERAGE, false},
-                                   {GL_SAMPLE_ALPHA_TO_COVERAGE, false},
-                                   {GL_DEPTH_CLAMP, false},
-                                   {GL_POLYGON_OFFSET_FILL, false},
-                                   {GL_COLOR_LOGIC_OP, false},
-                                   {GL_PRIMITIVE_RESTART, false}};
+constexpr Switch switch_table[] = {
+    {GL_DEPTH_TEST, true},        {GL_CULL_FACE, true},
+    {GL_MULTISAMPLE, true},       {GL_BLEND, false},
+    {GL_FRAMEBUFFER_SRGB, false}, {GL_SCISSOR_TEST, false},
+    {GL_STENCIL_TEST, false},     {GL_RASTERIZER_DISCARD, false},
+    {GL_SAMPLE_SHADING, false},   {GL_SAMPLE_MASK, false},
+    {GL_SAMPLE_COVERAGE, false},  {GL_SAMPLE_ALPHA_TO_COVERAGE, false},
+    {GL_DEPTH_CLAMP, false},      {GL_POLYGON_OFFSET_FILL, false},
+    {GL_COLOR_LOGIC_OP, false},   {GL_PRIMITIVE_RESTART, false}};
 
 void turn(GLenum name, bool on) {
     if (on)
@@ -29,6 +23,10 @@ void turn(GLenum name, bool on) {
     else
         glDisable(name);
 }
+
+constexpr GLenum blend_queries[] = {GL_BLEND_SRC_RGB,      GL_BLEND_DST_RGB,
+                                    GL_BLEND_SRC_ALPHA,    GL_BLEND_DST_ALPHA,
+                                    GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA};
 
 GLenum as_enum(GLint value) {
     return static_cast<GLenum>(value);
@@ -50,6 +48,8 @@ GlRasterState::GlRasterState(GLuint framebuffer, GLsizei width, GLsizei height) 
     glGetIntegerv(GL_FRONT_FACE, &front_);
     glGetIntegerv(GL_DEPTH_FUNC, &depth_func_);
     glGetIntegerv(GL_POLYGON_MODE, polygons_);
+    for (std::size_t i = 0; i < std::size(blend_queries); ++i)
+        glGetIntegerv(blend_queries[i], &blend_[i]);
     glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask_);
     glGetBooleanv(GL_COLOR_WRITEMASK, colour_mask_);
     glGetIntegerv(GL_VIEWPORT, viewport_);
@@ -77,6 +77,17 @@ void GlRasterState::write_colours() {
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
+void GlRasterState::blend_colours() {
+    write_colours();
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
+    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+}
+
+void GlRasterState::write_linear(bool on) {
+    turn(GL_FRAMEBUFFER_SRGB, on);
+}
+
 GlRasterState::~GlRasterState() {
     for (std::size_t i = 0; i < switches; ++i)
         turn(switch_table[i].name, on_[i] != GL_FALSE);
@@ -88,6 +99,9 @@ GlRasterState::~GlRasterState() {
     glCullFace(as_enum(cull_));
     glFrontFace(as_enum(front_));
     glPolygonMode(GL_FRONT_AND_BACK, as_enum(polygons_[0]));
+    glBlendFuncSeparate(as_enum(blend_[0]), as_enum(blend_[1]), as_enum(blend_[2]),
+                        as_enum(blend_[3]));
+    glBlendEquationSeparate(as_enum(blend_[4]), as_enum(blend_[5]));
     glDepthFunc(as_enum(depth_func_));
     glDepthMask(depth_mask_);
     glColorMask(colour_mask_[0], colour_mask_[1], colour_mask_[2], colour_mask_[3]);

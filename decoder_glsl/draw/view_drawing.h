@@ -23,6 +23,9 @@ public:
 struct MeshLook {
     std::string fragment;
     std::string depth_fragment; // of the pass that draws depths; empty: it discards nothing
+    // Of a pass that draws all triangles from back to front, over the others. Its colours and those of
+    // `fragment` are then linear, the former multiplied by alpha. Empty: nothing blends.
+    std::string blended_fragment;
     std::function<void()> bind;
     std::uint64_t bytes = 0; // on the device, without textures
 };

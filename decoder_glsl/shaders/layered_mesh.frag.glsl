@@ -1,10 +1,12 @@
-// Fragments of a mesh whose file has layers (FORMAT.md 5.6), as display values. The host defines
-// TESSERA_TEXTURES and, for each layer besides the diffuse one, which is texture 0, a macro with the
-// number of its texture: TESSERA_LAYER_EMISSION, _SPECULAR, _ROUGHNESS, _NORMAL, _VISIBILITY,
-// _REFLECTION, _COVERAGE, _ENVIRONMENT, _DIFFERENCE and _SHARED_DIFFERENCE. TESSERA_LIGHTS is the
-// number of lights; it is not defined if there are none. With TESSERA_COVERAGE_ONLY, the program is
-// for the pass that draws depths. HLSL, MSL and WGSL have constants in place of these macros: see
-// layer_constants.glsl.
+// Fragments of a mesh whose file has layers (FORMAT.md 5.6), as display values, or as linear light if
+// there is a layer of opacity. The host defines TESSERA_TEXTURES and, for each layer besides the
+// diffuse one, which is texture 0, a macro with the number of its texture: TESSERA_LAYER_EMISSION,
+// _SPECULAR, _ROUGHNESS, _NORMAL, _VISIBILITY, _REFLECTION, _COVERAGE, _ENVIRONMENT, _DIFFERENCE,
+// _SHARED_DIFFERENCE and _OPACITY. TESSERA_LIGHTS is the number of lights; it is not defined if there
+// are none. With TESSERA_COVERAGE_ONLY, the program is for the pass that draws depths. It and the pass
+// without further macros draw fragments that hide what is behind them. TESSERA_BLENDED is for a third
+// pass, which draws the others from back to front. Its light is multiplied by the opacity. HLSL, MSL
+// and WGSL have constants in place of these macros (layer_constants.glsl), and no layer of opacity.
 #include "layer_constants.glsl"
 #include "sample.glsl"
 #include "layers.glsl"
@@ -60,7 +62,7 @@ vec3 tsr_flat_value(int layer, vec2 covered) {
 bool tsr_is_hole() {
 #ifdef TESSERA_LAYER_COVERAGE
     if (TSR_IF(TESSERA_LAYER_COVERAGE))
-        return tsr_flat_value(TESSERA_LAYER_COVERAGE, vec2(0.0)).x < tsr_least_coverage;
+        return tsr_sample_flat(TESSERA_LAYER_COVERAGE, vec2(0.0)).x < tsr_least_coverage;
 #endif
     return false;
 }
@@ -158,17 +160,40 @@ vec3 tsr_difference(int layer, TsrMeshFrame mirror, vec3 view, vec2 covered) {
 }
 #endif
 
+// The opacity of a fragment that this pass draws; 0 if it does not draw the fragment.
+float tsr_opacity(vec2 covered) {
+    if (tsr_is_hole())
+        return 0.0;
+    float opacity = 1.0;
+#ifdef TESSERA_LAYER_OPACITY
+    opacity = tsr_sample_flat(TESSERA_LAYER_OPACITY, covered).x;
+    bool hides = opacity >= tsr_full_opacity;
+#ifdef TESSERA_BLENDED
+    opacity = hides ? 0.0 : opacity;
+#else
+    opacity = hides ? 1.0 : 0.0;
+#endif
+#endif
+    return opacity;
+}
+
+// The share of the atlas that the pixel covers along u and v.
+vec2 tsr_covered() {
+    vec2 across = dFdx(tsr_place);
+    vec2 up = dFdy(tsr_place);
+    return sqrt(across * across + up * up);
+}
+
 #ifdef TESSERA_COVERAGE_ONLY
 void main() {
-    if (tsr_is_hole())
+    if (tsr_opacity(tsr_covered()) <= 0.0)
         discard;
 }
 #else
 void main() {
-    vec2 across = dFdx(tsr_place);
-    vec2 up = dFdy(tsr_place);
-    vec2 covered = sqrt(across * across + up * up);
-    if (tsr_is_hole())
+    vec2 covered = tsr_covered();
+    float opacity = tsr_opacity(covered);
+    if (opacity <= 0.0)
         discard;
     vec3 view = normalize(tsr_to_eye);
     TsrMeshFrame frame = tsr_mesh_frame(tsr_surface_normal, tsr_surface_tangent, view);
@@ -227,6 +252,14 @@ void main() {
     if (TSR_IF(TESSERA_LAYER_SHARED_DIFFERENCE))
         shown += tsr_difference(TESSERA_LAYER_SHARED_DIFFERENCE, mirror, view, covered);
 #endif
-    tsr_colour = vec4(clamp(shown, 0.0, 1.0), 1.0);
+    shown = clamp(shown, 0.0, 1.0);
+#ifdef TESSERA_LAYER_OPACITY
+#if defined(TESSERA_LAYER_DIFFERENCE) || defined(TESSERA_LAYER_SHARED_DIFFERENCE)
+    light = vec3(tsr_linear(shown.x), tsr_linear(shown.y), tsr_linear(shown.z));
+#endif
+    tsr_colour = vec4(opacity * light, opacity);
+#else
+    tsr_colour = vec4(shown, 1.0);
+#endif
 }
 #endif

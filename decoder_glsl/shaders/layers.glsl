@@ -5,6 +5,7 @@
 // The sample of a normal layer that stands for 0.
 const float tsr_flat_sample = 128.0f;
 const float tsr_least_coverage = 0.5f; // below, there is no surface
+const float tsr_full_opacity = 254.0f / 255.0f; // from it on, nothing behind is seen
 const float tsr_least_cosine = 0.02f; // between a normal and the direction to the observer
 const float tsr_least_roughness = 0.03f;
 const float tsr_spread_share = 0.75f; // of a light's spread that widens the highlight

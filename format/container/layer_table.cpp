@@ -129,7 +129,7 @@ const LayerInfo* Layers::find(LayerRole role) const {
 Status check_layer(LayerRole role, const TextureDesc& desc, const Description& description,
                    std::size_t lights) {
     constexpr std::array<unsigned, value_names<LayerRole>.size()> channels{3, 3, 3, 1, 2, 1,
-                                                                           3, 1, 3, 3, 3};
+                                                                           3, 1, 3, 3, 3, 1};
     const std::string name = std::string("the ") + name_of(role) + " layer has ";
     if (desc.channels != channels[static_cast<std::size_t>(role)])
         return invalid(name + std::to_string(desc.channels) + " channels, not " +

@@ -50,6 +50,10 @@ double fifth_power(double x) {
 
 } // namespace
 
+glm::dvec3 blended(const glm::dvec3& light, double opacity, const glm::dvec3& behind) {
+    return glm::clamp(opacity * light + (1.0 - opacity) * behind, 0.0, 1.0);
+}
+
 glm::dvec3 bumped_normal(const SurfaceFrame& frame, const glm::dvec2& xy) {
     const double square = glm::dot(xy, xy);
     const glm::dvec2 flat = square > 1.0 ? xy / std::sqrt(square) : xy;

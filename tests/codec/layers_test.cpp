@@ -165,7 +165,7 @@ TEST(LayeredFiles, RefuseDamagedTables) {
     expect_refused(set(2, 3), "ends within light 2");
     expect_refused(set(3, 255), "lights, more than");
     expect_refused(set(7, 0xFF), "scale of layer 0");
-    expect_refused(set(first, 11), "unknown role 11", ErrorCode::unsupported);
+    expect_refused(set(first, 12), "unknown role 12", ErrorCode::unsupported);
     expect_refused(set(first, 0), "two diffuse");
     expect_refused(set(first + bytes, 6), "two reflection");
     expect_refused(set(first, 1), "needs a specular");
@@ -237,6 +237,9 @@ TEST(LayeredFiles, RolesNeedTheirChannelsAndDirections) {
     EXPECT_FALSE(ok(LayerRole::diffuse, {9, 9, 2, 1}, 3));
     EXPECT_FALSE(ok(LayerRole::normal, {9, 9, 1, 1}, 3));
     EXPECT_TRUE(ok(LayerRole::normal, {9, 9, 1, 1}, 2));
+    EXPECT_TRUE(ok(LayerRole::opacity, {9, 9, 1, 1}, 1));
+    EXPECT_FALSE(ok(LayerRole::opacity, {9, 9, 1, 1}, 3));
+    EXPECT_FALSE(ok(LayerRole::opacity, {9, 9, 1, 2}, 1));
     EXPECT_TRUE(ok(LayerRole::visibility, {9, 9, 3, 2}, 1));
     EXPECT_FALSE(ok(LayerRole::visibility, {9, 9, 2, 2}, 1));
     EXPECT_TRUE(ok(LayerRole::reflection, {9, 9, 3, 2}, 3, mirrored));

@@ -4,7 +4,7 @@
 #include "corpus/layers/layer_trial.h"
 #include "corpus/layers/model_layers.h"
 #include "corpus/trace/path_random.h"
-#include "tests/support/model_files.h"
+#include "tests/support/traced_squares.h"
 
 #include <numbers>
 
@@ -138,6 +138,78 @@ TEST(ModelLayers, CoverageFollowsAlphaMasks) {
     EXPECT_NEAR(covered[1] / (covered[0] + covered[1]), 0.5, 0.05);
     for (const LayerTexture& other : baked(cube_model(), white_light(), quick()).layers)
         EXPECT_NE(other.role, LayerRole::coverage);
+}
+
+// Blending becomes opacity. The other layers hold the light of the surface itself, except where it
+// is invisible.
+TEST(ModelLayers, OpacityFollowsBlending) {
+    Model model = cube_model();
+    model.materials[0].metal = 0;
+    model.materials[0].roughness = 1;
+    model.materials[0].blends = true;
+    for (ModelVertex& v : model.vertices)
+        v.colour.a = v.position.y > 0 ? 0.5f : 0.0f;
+    const ModelLayers layers = baked(model, white_light(), quick());
+    const LayerTexture& opacity = layer(layers, LayerRole::opacity);
+    const LayerTexture& diffuse = layer(layers, LayerRole::diffuse);
+    double invisible = 0, half = 0, sum = 0, count = 0;
+    for (std::size_t i = 0; i < opacity.mask.size(); ++i)
+        if (opacity.mask[i] != std::byte{0}) {
+            const double o = std::to_integer<int>(opacity.texels[i]) / 255.0;
+            EXPECT_LT(o, 0.51);
+            sum += o;
+            ++count;
+            half += o > 0.49;
+            invisible += diffuse.mask[i] == std::byte{0};
+            if (o > 0.0)
+                ASSERT_EQ(diffuse.mask[i], std::byte{1});
+            if (diffuse.mask[i] != std::byte{0})
+                ASSERT_GT(diffuse.scale *
+                              srgb_to_linear(std::to_integer<int>(diffuse.texels[3 * i]) / 255.0),
+                          0.8)
+                    << i;
+        }
+    // The sides fade from half to nothing.
+    EXPECT_NEAR(sum / count, (0.5 + 4 * 0.25) / 6, 0.01);
+    EXPECT_NEAR(half / count, 1.0 / 6, 0.06); // and the uppermost texels of the sides
+    EXPECT_GT(invisible, 0.0);
+    for (const LayerTexture& other : baked(cube_model(), white_light(), quick()).layers)
+        EXPECT_NE(other.role, LayerRole::opacity);
+}
+
+// A card that is half transparent halves the visibility of a light and the diffuse light below it.
+TEST(ModelLayers, HalfTransparentCardsCastHalfAShadow) {
+    Model model;
+    model.materials.resize(2);
+    model.materials[0].metal = 0;
+    model.materials[1].base = {0, 0, 0, 0.5};
+    model.materials[1].blends = true;
+    add_square(model, 2, 0, false, 0);
+    add_square(model, 4, 1, false, 1);
+    add_square(model, 4, 1, true, 1);
+    ModelLayersOptions options = quick();
+    options.texels = 2000;
+    const ModelLayers layers =
+        baked(model, {uniform_environment(0.001f), Sun{{0, 1, 0}, glm::dvec3(3.0)}}, options);
+    const LayerTexture& visibility = layer(layers, LayerRole::visibility);
+    const std::size_t sun = layers.lights.size() - 1,
+                      stride = texel_count(visibility.desc.size) /
+                               (visibility.desc.size[axis_u] * visibility.desc.size[axis_v]);
+    ASSERT_EQ(layers.lights[sun].spread, 0.0f);
+    const double peak = visibility_peaks(layers.lights)[sun];
+    double half = 0, whole = 0;
+    for (std::size_t i = sun; i < visibility.mask.size(); i += stride)
+        if (visibility.mask[i] != std::byte{0}) {
+            const double share = std::to_integer<int>(visibility.texels[i]) / 255.0 / peak;
+            half += share > 0.45 && share < 0.55;
+            whole += share > 0.9;
+        }
+    EXPECT_NEAR(half / whole, 0.25, 0.15); // their areas, with the texels around them
+    const LayerTexture& diffuse = layer(layers, LayerRole::diffuse);
+    double brightest = 0;
+    for (const std::byte x : diffuse.texels)
+        brightest = std::max(brightest, srgb_to_linear(std::to_integer<int>(x) / 255.0));
+    EXPECT_NEAR(brightest * diffuse.scale, 0.5 * 3.0 * 0.96 / std::numbers::pi, 0.03);
 }
 
 // A clear wall shows the light behind it in the layer of emission; a clear coat adds to the mirror,

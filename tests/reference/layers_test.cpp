@@ -34,11 +34,13 @@ Bytes joined_layers() {
                 reflection = small_layer({2, 3, 4, 4}, 3, AngularMap::octahedral_mirrored),
                 environment = small_layer({3, 1, 8, 8}, 3, AngularMap::octahedral_mirrored),
                 difference = small_layer({3, 2, 4, 4}, 3, AngularMap::octahedral_mirrored),
-                shared = small_layer({1, 1, 9, 9}, 3, AngularMap::octahedral_mirrored);
+                shared = small_layer({1, 1, 9, 9}, 3, AngularMap::octahedral_mirrored),
+                opacity = small_layer({7, 6, 1, 1}, 1, AngularMap::none);
     const std::vector<LayerFile> further{
         {LayerRole::specular, 1.0f, specular},     {LayerRole::visibility, 1.0f, visibility},
         {LayerRole::reflection, 3.0f, reflection}, {LayerRole::environment, 9.0f, environment},
-        {LayerRole::difference, 0.5f, difference}, {LayerRole::shared_difference, 0.25f, shared}};
+        {LayerRole::difference, 0.5f, difference}, {LayerRole::shared_difference, 0.25f, shared},
+        {LayerRole::opacity, 1.0f, opacity}};
     const std::vector<DistantLight> lights{{{0.6f, 0.8f, 0}, 0.1f, {1, 2, 3}},
                                            {{0, 0, -1}, 0, {0, 1, 0.5f}}};
     const auto file = join_layers(diffuse, 0.75f, further, lights);
@@ -116,6 +118,21 @@ TEST(LayerAgreement, SignedSamplesAreTheSame) {
     for (int code = 0; code < 256; ++code)
         EXPECT_EQ(reference::difference_of(code / 255.0), signed_value(code / 255.0)) << code;
     EXPECT_EQ(signed_value(128 / 255.0), 0.0);
+}
+
+TEST(LayerAgreement, BlendingIsTheSame) {
+    std::mt19937 engine(9);
+    const auto unit = [&] { return random_unit(engine); };
+    for (int i = 0; i < 256; ++i) {
+        const double opacity = i / 255.0;
+        const glm::dvec3 light(unit(), 3 * unit(), 0.0), behind(unit(), unit(), unit());
+        const reference::Vector expected = reference::seen_of({light.x, light.y, light.z}, opacity,
+                                                              {behind.x, behind.y, behind.z});
+        const glm::dvec3 own =
+            opacity >= full_opacity ? glm::min(light, 1.0) : blended(light, opacity, behind);
+        for (glm::length_t c = 0; c < 3; ++c)
+            ASSERT_NEAR(own[c], expected[static_cast<std::size_t>(c)], 1e-12) << i;
+    }
 }
 
 reference::Vector vector_of(const glm::dvec3& v) {

@@ -109,6 +109,14 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
     return light;
 }
 
+Vector seen_of(const Vector& L, double opacity, const Vector& B) {
+    const double o = opacity >= 254.0 / 255 ? 1 : opacity;
+    Vector seen{};
+    for (std::size_t i = 0; i < 3; ++i)
+        seen[i] = std::min(1.0, o * L[i] + (1 - o) * B[i]);
+    return seen;
+}
+
 double difference_of(double sample) {
     return std::max(-1.0, std::min(1.0, (255 * sample - 128) / 127));
 }
@@ -151,13 +159,13 @@ LayerTable read_layers(Bytes section, uint64_t index_end, uint64_t file_size) {
     require(is_scale(table.scale), "LAYR: scale");
     require(section.size() == 8 + 20 * count + 14 * lights, "LAYR: length");
     uint64_t firsts = 0, datas = 0;
-    std::vector<bool> has(11, false);
+    std::vector<bool> has(12, false);
     has[0] = true;
     for (size_t i = 0; i < count; ++i) {
         const Bytes entry = section.subspan(8 + 20 * i, 20);
         const LayerTable::Further layer{
             u8(entry, 0), f32(entry, 4), u32(entry, 8), u64(entry, 12), 0, 0};
-        if (layer.role > 10)
+        if (layer.role > 11)
             throw Refusal{"LAYR: unknown role"};
         require(u8(entry, 1) == 0 && u8(entry, 2) == 0 && u8(entry, 3) == 0, "LAYR: bytes 1..3");
         require(is_scale(layer.scale), "LAYR: scale");

@@ -30,6 +30,8 @@ struct LayerValues {
 Vector normal_of(const LayerValues& values, const Frame& frame, const Vector& d);
 // The linear light that leaves towards d.
 Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d);
+// What an observer sees of a place with an opacity, and of the light B behind it.
+Vector seen_of(const Vector& L, double opacity, const Vector& B);
 // What a sample of the layers 9 and 10 stands for, without the scale.
 double difference_of(double sample);
 

@@ -86,7 +86,16 @@ std::vector<LayerDesign> designs() {
              3,
              0.1f,
              Transfer::unspecified,
-             [](int, int, int s, int t, int c) { return waves(s, t, c, 8); }}};
+             [](int, int, int s, int t, int c) { return waves(s, t, c, 8); }},
+            // Some places hide what is behind them, and some are invisible.
+            {LayerRole::opacity,
+             {32, 48, 1, 1},
+             1,
+             1.0f,
+             Transfer::unspecified,
+             [](int u, int v, int, int, int) {
+                 return std::clamp(2.5 * waves(u, v, 0, 13) - 0.75, 0.0, 1.0);
+             }}};
 }
 
 // In all directions, with sharp and wide highlights.
@@ -192,7 +201,9 @@ TEST_F(GpuLayers, LookAsOnTheCpu) {
                        {{specular, normal, reflection}, true}, // lights that nothing blocks
                        {{emission, reflection}, false},
                        {{difference, shared_difference}, false},
-                       {{specular, reflection, difference}, true}};
+                       {{specular, reflection, difference}, true},
+                       {{specular, reflection, opacity}, true},
+                       {{coverage, difference, opacity}, false}};
     const std::vector<std::byte> stream = stream_of(box_and_ball());
     const SurfaceMesh mesh = decoded(stream);
     for (const auto& [roles, lit] : files) {

@@ -63,6 +63,45 @@ TEST(LayeredRenderer, RaysPassThroughHoles) {
     expect_near(seen_at(*renderer_of(holes), 0.5), grey, 1e-6);
 }
 
+double displayed_value(double x) {
+    x = std::clamp(x, 0.0, 1.0);
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+}
+double linear_value(double x) {
+    return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+}
+
+// A quarter of the front's light, brighter than a display shows, and three quarters of what is behind:
+// the other square, and through its half, the background.
+TEST(LayeredRenderer, MixesLightBehindByOpacity) {
+    auto diffuse = picture(3, [](int u, int c) { return u < 16 ? (c == 0) : (c == 1) * 0.5; });
+    auto opacity = picture(1, [](int u, int) { return u < 16 ? 0.25 : u < 24 ? 1.0 : 0.5; });
+    std::vector<DrawnLayer> layers{
+        {LayerRole::diffuse, 2.0, &diffuse, tile, Transfer::unspecified},
+        {LayerRole::opacity, 1.0, &opacity, tile, Transfer::unspecified}};
+    const auto renderer = renderer_of(layers);
+    const double o = 64 / 255.0, half = 128 / 255.0, back = 2 * half;
+    expect_near(seen_at(*renderer, -0.5),
+                {displayed_value(2 * o), displayed_value((1 - o) * std::min(back, 1.0)), 0}, 1e-6);
+    const double far = (1 - o) * (1 - half) * linear_value(grey.x);
+    expect_near(seen_at(*renderer, 0.5),
+                {displayed_value(2 * o + far),
+                 displayed_value((1 - o) * (half * back + (1 - half) * linear_value(grey.x))),
+                 displayed_value(far)},
+                1e-6);
+    // Differences belong to the surface: they count before it is mixed.
+    test::MemoryTexture shared(
+        {{1, 1, 8, 8}, SampleType::unorm8, 3},
+        [](int, int, int, int, int c) { return c == 2 ? 1.0 : 128 / 255.0; });
+    layers.push_back(
+        {LayerRole::shared_difference, 0.5, &shared, {1, 1, 8, 8}, Transfer::unspecified});
+    const double own = o * linear_value(0.5), behind = std::min(back, 1.0);
+    expect_near(seen_at(*renderer_of(layers), -0.5),
+                {displayed_value(o), displayed_value((1 - o) * behind),
+                 displayed_value(own + (1 - o) * linear_value(0.5))},
+                1e-6);
+}
+
 // Light is added in linear values and shown as sRGB, with the scales of the layers.
 TEST(LayeredRenderer, AddsLinearLight) {
     auto diffuse = picture(3, [](int, int) { return 0.5; });

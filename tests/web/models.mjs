@@ -1,8 +1,9 @@
 // Models for tests.
 import {pngOf} from './png.mjs';
 
-// A metal box above a floor, both with a normal map, as the text of a glTF file.
-export function bumpyBox() {
+// A metal box above a floor, both with a normal map, as the text of a glTF file. The box blends with this opacity, and a
+// smaller one is within it.
+export function bumpyBox(opacity = 1) {
     const positions = [], normals = [], uv = [];
     const side = (centre, right, up, normal) => {
         for (const [a, b] of [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]]) {
@@ -12,11 +13,15 @@ export function bumpyBox() {
         }
     };
     side([0, -1, 0], [2.5, 0, 0], [0, 0, -2.5], [0, 1, 0]);
-    for (let axis = 0; axis < 3; ++axis)
-        for (const sign of [-1, 1]) {
-            const [normal, right, up] = [0, 1, 2].map(turn => [0, 1, 2].map(i => i === (axis + turn) % 3 ? sign : 0));
-            side(normal, sign < 0 ? up : right, sign < 0 ? right : up, normal);
-        }
+    for (const size of opacity < 1 ? [1, 0.5] : [1])
+        for (let axis = 0; axis < 3; ++axis)
+            for (const sign of [-1, 1]) {
+                const [normal, right, up] =
+                    [0, 1, 2].map(turn => [0, 1, 2].map(i => i === (axis + turn) % 3 ? sign : 0));
+                const [at, across, upwards] = [normal, sign < 0 ? up : right, sign < 0 ? right : up].map(
+                    vector => vector.map(x => x * size));
+                side(at, across, upwards, normal);
+            }
     const bytes = Buffer.from(new Float32Array([...positions, ...normals, ...uv]).buffer);
     const count = positions.length / 3, at = [0, positions.length * 4, (positions.length + normals.length) * 4, bytes.length];
     const bump = pngOf(32, 32, (x, y) => [128 + 60 * Math.sin(x * Math.PI / 8), 128 + 60 * Math.cos(y * Math.PI / 4), 230]);
@@ -33,7 +38,8 @@ export function bumpyBox() {
     return JSON.stringify({
         asset: {version: '2.0'}, scene: 0, scenes: [{nodes: [0]}], nodes: [{mesh: 0}],
         meshes: [{primitives: [primitive(0, 0), primitive(3, 1)]}],
-        materials: [material([0.2, 0.5, 0.3, 1], 0, 0.4), material([0.9, 0.7, 0.4, 1], 1, 0.25)],
+        materials: [material([0.2, 0.5, 0.3, 1], 0, 0.4),
+                    {...material([0.9, 0.7, 0.4, opacity], 1, 0.25), alphaMode: opacity < 1 ? 'BLEND' : 'OPAQUE'}],
         textures: [{source: 0}], images: [{uri: inline('image/png', bump)}],
         accessors: [...part(0, 6, [-2.5, -1, -2.5], [2.5, -1, 2.5]), ...part(6, count - 6, [-1, -1, -1], [1, 1, 1])],
         bufferViews: [0, 1, 2].map(i => ({buffer: 0, byteOffset: at[i], byteLength: at[i + 1] - at[i]})),

@@ -54,6 +54,9 @@ function makeTextures() {
     writeFileSync(inFolder('box.gltf'), bumpyBox());
     tessera('bake', inFolder('box.gltf'), '-o', inFolder('lit.tess'), '--layered', '--texels', '20000', '--lights', '8',
             '--spp', '1', '--quality', '100', '-q');
+    writeFileSync(inFolder('panes.gltf'), bumpyBox(0.6));
+    tessera('bake', inFolder('panes.gltf'), '-o', inFolder('panes.tess'), '--layered', '--texels', '6000', '--lights', '4',
+            '--spp', '1', '--quality', '100', '-q');
     makeFit();
     for (const [name, colour, ...more] of [['planar', planarColour, '0'],
                                            ['aligned', movingColour, '2', '--tile', '16x16x3x5']]) {
@@ -108,6 +111,19 @@ const tests = {
             console.log(`fitted ${JSON.stringify(pose)}: ${psnr.toFixed(1)} dB`);
             assert(hasContent(picture) && psnr > 35, `${psnr} dB`);
             assert.equal(await browser.evaluate('Object.keys(tessera.layers.loaded).length'), 2);
+        }
+    },
+    // One pose is served in parts: tiles behind the panes must be loaded, too.
+    async 'blended surfaces show what is behind them, as render draws it'(browser, {url}) {
+        tessera('view', inFolder('panes.tess'), '-o', inFolder('panes.html'), '-q');
+        for (const [i, pose] of [{eye: '6,4,5'}, {eye: '1.6,1.3,1.9', look: '0.4,0.2,0.9', fov: 30}].entries()) {
+            const at = hash(pose, '400x300');
+            await browser.open(i === 1 ? `${url}?f=panes.tess${at.replace('#', '#parts&')}`
+                                       : `file://${inFolder('panes.html')}${at}`);
+            const picture = await browser.picture(), {psnr} = compared(picture, rendered('panes.tess', pose, '400x300'));
+            console.log(`panes ${JSON.stringify(pose)}: ${psnr.toFixed(1)} dB`);
+            assert(hasContent(picture) && psnr > 40, `${psnr} dB`);
+            assert(await browser.evaluate('tessera.renderer.blends'));
         }
     },
     async 'layers: what render draws, damage, and too little memory'(browser, {url}) {

@@ -13,8 +13,9 @@
 namespace tessera {
 namespace {
 
-constexpr int most_holes = 64;       // of one ray
-constexpr double step_behind = 1e-5; // past a hole, relative to its distance
+constexpr int most_places = 64;             // that a ray meets
+constexpr double step_behind = 1e-5;        // past a place, relative to its distance
+constexpr double least_share = 1.0 / 512.0; // of the light behind, which is not worth following
 
 glm::dvec3 linear(const glm::dvec3& value, Transfer transfer) {
     if (transfer != Transfer::srgb)
@@ -93,14 +94,18 @@ public:
 private:
     Result<glm::dvec3> colour(Readers& readers, const Camera& camera,
                               const glm::dvec3& direction) const;
-    // The display values that leave a point in the unit direction `view`. `covered` as in
-    // mean_values().
-    Result<glm::dvec3> shown(Readers& readers, const SurfacePoint& point, const glm::dvec3& view,
-                             const glm::dvec2& covered) const;
-    Result<std::optional<MeshHit>> first_hit(Readers& readers, const Camera& camera,
-                                             const glm::dvec3& direction) const;
-    // The value of a layer: linear and scaled, but normals and coverage as they are stored. Nothing
-    // if the file has no such layer.
+    struct Leaving {
+        glm::dvec3 light{0.0}; // linear
+        glm::dvec3 shown{0.0}; // by a display
+    };
+    // The light that leaves a point in the unit direction `view`. `covered` as in mean_values().
+    Result<Leaving> leaving(Readers& readers, const SurfacePoint& point, const glm::dvec3& view,
+                            const glm::dvec2& covered) const;
+    // The opacity of the point; 0 where it is not covered.
+    Result<double> opacity(Readers& readers, const SurfacePoint& point,
+                           const glm::dvec2& covered) const;
+    // The value of a layer: linear and scaled, but normals, coverage and opacity as they are stored.
+    // Nothing if the file has no such layer.
     Result<std::optional<glm::dvec4>> value(Readers& readers, LayerRole role, const glm::dvec2& uv,
                                             const glm::dvec2& st, const glm::dvec2& covered) const;
     Result<LightSum> light_of_lights(Readers& readers, const Reflectance& reflectance,
@@ -132,7 +137,7 @@ Result<std::optional<glm::dvec4>> LayeredRenderer::value(Readers& readers, Layer
             const glm::dvec4 value,
             sample(readers[i], layer.seen(AngularMap::octahedral_mirrored, uv, st, covered)));
         const DrawnLayer& drawn = layer.drawn();
-        if (role == LayerRole::normal || role == LayerRole::coverage)
+        if (role == LayerRole::normal || role == LayerRole::coverage || role == LayerRole::opacity)
             return std::optional(value); // not light
         if (is_signed(role))
             return std::optional(drawn.scale * glm::dvec4(signed_value(value.x),
@@ -195,29 +200,52 @@ Result<std::optional<glm::dvec3>> LayeredRenderer::environment_light(Readers& re
     return std::optional(glm::dvec3(*light));
 }
 
-// Passes through places that are not covered.
-Result<std::optional<MeshHit>> LayeredRenderer::first_hit(Readers& readers, const Camera& camera,
-                                                          const glm::dvec3& direction) const {
-    double from = 0.0;
-    for (int i = 0; i < most_holes; ++i) {
-        const auto hit = rays_.first_hit(camera, direction, from);
-        if (!hit)
-            return std::optional<MeshHit>();
-        TESSERA_TRY_ASSIGN(const auto covered, value(readers, LayerRole::coverage, hit->point.uv,
-                                                     glm::dvec2(0.5), glm::dvec2(0.0)));
-        if (!covered || covered->x >= least_coverage)
-            return hit;
-        from = hit->distance + step_behind * std::max(1.0, hit->distance);
-    }
-    return std::optional<MeshHit>();
+Result<double> LayeredRenderer::opacity(Readers& readers, const SurfacePoint& point,
+                                        const glm::dvec2& covered) const {
+    const auto get = [&](LayerRole role, const glm::dvec2& area) {
+        return value(readers, role, point.uv, glm::dvec2(0.5), area);
+    };
+    TESSERA_TRY_ASSIGN(const auto coverage, get(LayerRole::coverage, glm::dvec2(0.0)));
+    if (coverage && coverage->x < least_coverage)
+        return 0.0;
+    TESSERA_TRY_ASSIGN(const auto opacity, get(LayerRole::opacity, covered));
+    return opacity && opacity->x < full_opacity ? opacity->x : 1.0;
 }
 
+// Collects the surfaces that the ray passes, and mixes them from behind.
 Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camera,
                                            const glm::dvec3& direction) const {
-    TESSERA_TRY_ASSIGN(const auto hit, first_hit(readers, camera, direction));
-    if (!hit)
-        return background_;
-    return shown(readers, hit->point, -glm::normalize(direction), width_ * hit->covered);
+    struct Passed {
+        glm::dvec3 light;
+        double opacity;
+    };
+    std::vector<Passed> passed;
+    const glm::dvec3 view = -glm::normalize(direction);
+    glm::dvec3 behind = background_;
+    double from = 0.0, share = 1.0;
+    for (int i = 0; i < most_places && share >= least_share; ++i) {
+        const auto hit = rays_.first_hit(camera, direction, from);
+        if (!hit)
+            break;
+        const glm::dvec2 covered = width_ * hit->covered;
+        TESSERA_TRY_ASSIGN(const double o, opacity(readers, hit->point, covered));
+        from = hit->distance + step_behind * std::max(1.0, hit->distance);
+        if (o <= 0.0)
+            continue;
+        TESSERA_TRY_ASSIGN(const Leaving leaves, leaving(readers, hit->point, view, covered));
+        if (o == 1.0) {
+            behind = leaves.shown;
+            break;
+        }
+        passed.push_back({leaves.light, o});
+        share *= 1.0 - o;
+    }
+    if (passed.empty())
+        return behind;
+    glm::dvec3 seen = linear(behind, Transfer::srgb);
+    for (auto surface = passed.rbegin(); surface != passed.rend(); ++surface)
+        seen = blended(surface->light, surface->opacity, seen);
+    return corpus::Display().value(seen);
 }
 
 Result<std::vector<glm::dvec4>> LayeredRenderer::mean_values(std::span<const SurfacePoint> points,
@@ -229,18 +257,19 @@ Result<std::vector<glm::dvec4>> LayeredRenderer::mean_values(std::span<const Sur
     for (const SurfacePoint& point : points) {
         glm::dvec3 sum(0.0);
         for (const glm::dvec3& view : mean_views(point.frame)) {
-            TESSERA_TRY_ASSIGN(const glm::dvec3 value, shown(readers, point, view, covered));
-            sum += value;
+            TESSERA_TRY_ASSIGN(const Leaving leaves, leaving(readers, point, view, covered));
+            sum += leaves.shown;
         }
-        TESSERA_TRY_ASSIGN(const auto there, value(readers, LayerRole::coverage, point.uv,
-                                                   glm::dvec2(0.5), glm::dvec2(0.0)));
-        means.emplace_back(sum / static_cast<double>(mean_view_count), there ? there->x : 1.0);
+        TESSERA_TRY_ASSIGN(const double there, opacity(readers, point, covered));
+        means.emplace_back(sum / static_cast<double>(mean_view_count), there);
     }
     return means;
 }
 
-Result<glm::dvec3> LayeredRenderer::shown(Readers& readers, const SurfacePoint& point,
-                                          const glm::dvec3& view, const glm::dvec2& covered) const {
+Result<LayeredRenderer::Leaving> LayeredRenderer::leaving(Readers& readers,
+                                                          const SurfacePoint& point,
+                                                          const glm::dvec3& view,
+                                                          const glm::dvec2& covered) const {
     const glm::dvec2 uv = point.uv;
     const auto get = [&](LayerRole role, const glm::dvec2& st = glm::dvec2(0.5)) {
         return value(readers, role, uv, st, covered);
@@ -277,13 +306,16 @@ Result<glm::dvec3> LayeredRenderer::shown(Readers& readers, const SurfacePoint& 
     TESSERA_TRY_ASSIGN(const auto emission, get(LayerRole::emission));
     if (emission)
         light += glm::dvec3(*emission);
-    glm::dvec3 sum = corpus::Display().value(light);
+    glm::dvec3 shown = corpus::Display().value(light);
+    bool is_changed = false;
     for (const LayerRole role : {LayerRole::difference, LayerRole::shared_difference}) {
         TESSERA_TRY_ASSIGN(const auto difference, get(role, mirrored));
         if (difference)
-            sum += glm::dvec3(*difference);
+            shown += glm::dvec3(*difference);
+        is_changed = is_changed || difference;
     }
-    return glm::clamp(sum, 0.0, 1.0);
+    shown = glm::clamp(shown, 0.0, 1.0);
+    return Leaving{is_changed ? linear(shown, Transfer::srgb) : light, shown};
 }
 
 } // namespace

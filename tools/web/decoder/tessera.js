@@ -21,7 +21,7 @@ export const PRIMARIES = Object.freeze({unspecified: 0, bt709: 1});
 // What a layer holds (FORMAT.md 1.7).
 export const LAYER_ROLE = Object.freeze(
     {diffuse: 0, emission: 1, specular: 2, roughness: 3, normal: 4, visibility: 5, reflection: 6,
-     coverage: 7, environment: 8, difference: 9, sharedDifference: 10});
+     coverage: 7, environment: 8, difference: 9, sharedDifference: 10, opacity: 11});
 
 // The glTF extension under which a .glb holds a .tess file (format/gltf/README.md).
 export const GLB_EXTENSION = 'TESSERA_texture_light_field';

@@ -44,6 +44,7 @@ export const LAYER_ROLE: {
     readonly environment: 8;
     readonly difference: 9;
     readonly sharedDifference: 10;
+    readonly opacity: 11;
 };
 
 /** Level 0 is the texture; levels above 0 are coarser copies. */

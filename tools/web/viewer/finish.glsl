@@ -7,6 +7,10 @@ void finish(vec4 colour) {
 #else
 layout(location = 0) out vec4 result;
 void finish(vec4 colour) {
+#ifdef LAYERED
+    result = colour;
+#else
     result = vec4(colour.rgb, 1.0);
+#endif
 }
 #endif

@@ -41,6 +41,10 @@ class LayerPictures {
         return texture;
     }
 
+    has(role) {
+        return this.layers.some(layer => layer.role === role);
+    }
+
     // What the job "prepare" needs to know.
     get parts() {
         return this.layers.map(({tileSide, charts, lights}) => (
@@ -121,8 +125,8 @@ class LayerPictures {
     // A layer is drawn with those that it depends on: reflections and lights would be too bright without reflectance
     // and visibility.
     shown(role) {
-        const {specular, reflection} = LAYER_ROLE, ofFile = this.layers.some(layer => layer.role === specular);
-        return role === reflection && ofFile && !this.loaded[specular] ? undefined : this.loaded[role];
+        const {specular, reflection} = LAYER_ROLE;
+        return role === reflection && this.has(specular) && !this.loaded[specular] ? undefined : this.loaded[role];
     }
 
     get uniforms() {
@@ -136,7 +140,7 @@ class LayerPictures {
             numbers.push(...(info ? [atlas, info.transfer === TRANSFER.srgb ? 1 : 0, ...pixels] : [-1, 0, 1, 1]));
             scales.push(scale || 1);
         });
-        const waits = this.layers.some(({role}) => role === visibility) && !this.loaded[visibility];
+        const waits = this.has(visibility) && !this.loaded[visibility];
         return {...values, layers: numbers, layerScales: scales, lights: {texture: this.lights, target: gl.TEXTURE_2D},
                 lightCount: waits ? 0 : about.lights.length};
     }

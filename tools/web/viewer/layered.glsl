@@ -1,11 +1,13 @@
 // What the layers after the first one add to its light (FORMAT.md 5.6), like tools/view/layered_renderer.cpp. Each
 // layer is a picture with its mips, in the layout of class SlotLayout. Arrays are indexed by roles.
 uniform sampler2D emissionLayer, specularLayer, roughnessLayer, normalLayer, visibilityLayer, reflectionLayer,
-    coverageLayer, environmentLayer, differenceLayer, sharedDifferenceLayer;
-uniform ivec4 layers[11];     // x: number of the atlas, -1: not loaded; y: 1 for transfer sRGB; z, w: pixels per texel
-uniform float layerScales[11];
+    coverageLayer, environmentLayer, differenceLayer, sharedDifferenceLayer, opacityLayer;
+uniform ivec4 layers[12];     // x: number of the atlas, -1: not loaded; y: 1 for transfer sRGB; z, w: pixels per texel
+uniform float layerScales[12];
 uniform sampler2D lights;     // a row per light: direction and spread; irradiance and the sample if it is not blocked
 uniform int lightCount;
+uniform bool blends;          // whether the file has a layer of opacity, so that colours are linear light
+uniform bool drawsBlended;    // the places that do not hide what is behind them, or those that do
 
 // The texels of an atlas that the pixel samples, in two mips.
 struct AtlasPlaces {
@@ -57,7 +59,7 @@ int missing(int role) {
 }
 
 const int emission = 1, specular = 2, roughness = 3, normal = 4, visibility = 5, reflection = 6,
-    coverage = 7, environment = 8, difference = 9, sharedDifference = 10;
+    coverage = 7, environment = 8, difference = 9, sharedDifference = 10, opacity = 11;
 
 // A layer of several directions in the one that is mirrored about the normal, at `places`.
 vec4 mirroredSample(sampler2D layer, int role, TsrMeshFrame frame, vec3 direction) {
@@ -132,6 +134,17 @@ TsrLightSum lightOfLights(TsrReflectance r) {
     return sum;
 }
 
+// The opacity of a place that this pass draws; 0 if it does not draw the place. A layer that is not loaded hides all.
+float opacityAt(vec2 uv, vec2 footprint) {
+    float value = 1.0;
+    for (int once = missing(opacity); once < 1; ++once) {
+        findPlaces(layers[opacity].x, uv, footprint);
+        value = layerAt(opacityLayer, ivec2(1), ivec2(0)).r;
+    }
+    bool hides = value >= tsr_full_opacity;
+    return hides == drawsBlended ? 0.0 : hides ? 1.0 : value;
+}
+
 // Whether there is no surface at the place.
 bool isHole(vec2 uv) {
     float covered = 1.0;
@@ -143,7 +156,7 @@ bool isHole(vec2 uv) {
     return covered < tsr_least_coverage;
 }
 
-// The display values of the light. diffuse: a sample of the first layer; uv: the place in all atlases; footprint: what
+// The display values of the light, or, if the file has a layer of opacity, linear light. diffuse: a sample of the first layer; uv: the place in all atlases; footprint: what
 // the pixel covers of them; direction: towards the observer.
 vec3 withLayers(vec3 diffuse, vec2 uv, vec2 footprint, TsrMeshFrame frame, vec3 direction) {
     vec3 light = lightOf(diffuse, 0), share = vec3(1.0);
@@ -178,8 +191,12 @@ vec3 withLayers(vec3 diffuse, vec2 uv, vec2 footprint, TsrMeshFrame frame, vec3 
         findPlaces(layers[emission].x, uv, footprint);
         light += lightOf(layerAt(emissionLayer, ivec2(1), ivec2(0)).rgb, emission);
     }
+    bool differs = missing(difference) + missing(sharedDifference) < 2;
+    if (blends && !differs)
+        return light;
     vec3 shown = vec3(tsr_displayed(light.r), tsr_displayed(light.g), tsr_displayed(light.b)) +
                  differenceAt(differenceLayer, difference, uv, footprint, frame, direction) +
                  differenceAt(sharedDifferenceLayer, sharedDifference, uv, footprint, frame, direction);
-    return clamp(shown, 0.0, 1.0);
+    shown = clamp(shown, 0.0, 1.0);
+    return blends ? vec3(tsr_linear(shown.r), tsr_linear(shown.g), tsr_linear(shown.b)) : shown;
 }

@@ -47,6 +47,9 @@ void main() {
 #ifdef LAYERED
     if (isHole(surfacePlace))
         discard;
+    float opacity = opacityAt(surfacePlace, footprint);
+    if (opacity <= 0.0)
+        discard;
 #endif
     vec3 direction = normalize(toEye);
     TsrMeshFrame frame = tsr_mesh_frame(surfaceNormal, surfaceTangent, direction);
@@ -59,7 +62,7 @@ void main() {
     for (int i = 0; i <= (second > 0.0 ? 1 : 0); ++i)
         colour += (i == 0 ? 1.0 - second : second) * mipColour(surfacePlace, first + i);
 #ifdef LAYERED
-    colour.rgb = withLayers(colour.rgb, surfacePlace, footprint, frame, direction);
+    colour = vec4(opacity * withLayers(colour.rgb, surfacePlace, footprint, frame, direction), opacity);
 #endif
     finish(colour);
 }

@@ -3,6 +3,8 @@
 // The offset of ray k from the centre of its pixel, as in tools/view/view_drawing.h. Ray 0 hits the centre.
 const rayShift = k => [0.7548776662466927, 0.5698402909980532].map(step => (0.5 + k * step) % 1 - 0.5);
 
+const linearOf = x => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
+
 class Renderer {
     static mostRays = 16;
 
@@ -12,6 +14,10 @@ class Renderer {
         this.half = info.sampleType === SAMPLE_TYPE.half16;
         // Means of half floats need more than 8 bits. Without the extension they are clamped to 0..1.
         this.format = this.half && gl.getExtension('EXT_color_buffer_float') ? gl.RGBA16F : gl.RGBA8;
+        // Surfaces are blended in linear light.
+        this.blends = !!layers?.has(LAYER_ROLE.opacity);
+        if (this.blends)
+            this.format = gl.SRGB8_ALPHA8;
         this.sampling = ['surface.glsl', 'octahedral.glsl', 'slots.glsl', 'finish.glsl', ...surface.fragment];
         this.drawing = layers
             ? new Program(gl, kit, surface.vertex,
@@ -31,14 +37,14 @@ class Renderer {
         gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
         gl.framebufferTextureLayer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, this.rays, 0, k);
         gl.viewport(0, 0, ...view.pixels);
-        gl.clearBufferfv(gl.COLOR, 0, this.surface.outside);
+        gl.clearBufferfv(gl.COLOR, 0, this.blends ? this.surface.outside.map(linearOf) : this.surface.outside);
         if (this.surface.hasDepth)
             gl.clearBufferfv(gl.DEPTH, 0, [1]);
         this.drawSurface(this.drawing, view, rayShift(k), view.rays);
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
         this.resolving.use(
             {rays: {texture: this.rays, target: gl.TEXTURE_2D_ARRAY}, count: k + 1,
-             toneMapped: this.half && !this.layers});
+             toneMapped: this.half && !this.layers, linear: this.blends});
         gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
 
@@ -54,8 +60,12 @@ class Renderer {
             coarse: {texture: coarse ? coarse.texture : cache.texture, target: gl.TEXTURE_2D_ARRAY},
             coarseSize: coarse ? coarse.size : [0, 0, 0, 0], coarseLod: coarse ? coarse.lod : [0, 0],
             coarseFold: coarse ? coarse.fold : [1, 1], emptyColour: this.empty,
-            ...this.layers?.uniforms, ...surface.uniforms(view, camera, rays)});
+            ...this.layers?.uniforms, ...surface.uniforms(view, camera, rays), blends: this.blends, drawsBlended: false});
         surface.draw(gl);
+        if (this.blends && program === this.drawing) {
+            gl.uniform1i(program.uniforms.get('drawsBlended').at, 1);
+            surface.drawBlended(gl, view.camera.eye);
+        }
     }
 
     resize([width, height], rays) {

@@ -36,7 +36,8 @@ class MeshSurface {
             gl.vertexAttribPointer(i, components, gl.FLOAT, false, 0, 0);
             gl.enableVertexAttribArray(i);
         });
-        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+        this.indices = gl.createBuffer();
+        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.indices);
         gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.indices, gl.STATIC_DRAW);
         gl.bindVertexArray(null);
         this.charts = gl.createTexture();
@@ -69,12 +70,53 @@ class MeshSurface {
                 charts: {texture: this.charts, target: WebGL2RenderingContext.TEXTURE_2D_ARRAY},
                 angularMap: this.info.angularMap, rayWidth: 1 / Math.sqrt(rays)};
     }
+    // Draws over what draw() has drawn, from back to front by the distances of the triangles' middles.
+    drawBlended(gl, eye) {
+        const {positions, indices} = this.mesh, count = indices.length / 3;
+        if (!this.sorted) {
+            this.sorted = {array: new Uint32Array(indices.length), buffer: gl.createBuffer(), eye: null};
+            this.middles = new Float32Array(indices.length);
+            for (let i = 0; i < indices.length; ++i)
+                for (let axis = 0; axis < 3; ++axis)
+                    this.middles[i - i % 3 + axis] += positions[3 * indices[i] + axis] / 3;
+        }
+        const {array, buffer} = this.sorted, {middles} = this;
+        gl.bindVertexArray(this.array);
+        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer);
+        if (this.sorted.eye?.join() !== eye.join()) {
+            // Numbers that hold the distance in their upper bits and the triangle below are sorted fastest.
+            const keys = new Float64Array(count), [x, y, z] = eye;
+            const farthest = Math.hypot(...sub(eye, this.centre)) + this.radius;
+            for (let i = 0; i < count; ++i) {
+                const distance = Math.hypot(middles[3 * i] - x, middles[3 * i + 1] - y, middles[3 * i + 2] - z);
+                keys[i] = Math.floor((1 - distance / farthest) * 2 ** 28) * 2 ** 24 + i;
+            }
+            keys.sort().forEach((key, to) => {
+                const from = 3 * (key % 2 ** 24);
+                array.set(indices.subarray(from, from + 3), 3 * to);
+            });
+            gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, array, gl.DYNAMIC_DRAW);
+            this.sorted.eye = [...eye];
+        }
+        gl.enable(gl.BLEND);
+        gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+        gl.depthMask(false);
+        this.drawElements(gl);
+        gl.depthMask(true);
+        gl.disable(gl.BLEND);
+        gl.bindVertexArray(this.array);
+        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.indices);
+        gl.bindVertexArray(null);
+    }
     draw(gl) {
+        gl.bindVertexArray(this.array);
+        this.drawElements(gl);
+        gl.bindVertexArray(null);
+    }
+    drawElements(gl) {
         gl.enable(gl.DEPTH_TEST);
         gl.enable(gl.CULL_FACE);
-        gl.bindVertexArray(this.array);
         gl.drawElements(gl.TRIANGLES, this.mesh.indices.length, gl.UNSIGNED_INT, 0);
-        gl.bindVertexArray(null);
         gl.disable(gl.CULL_FACE);
         gl.disable(gl.DEPTH_TEST);
     }

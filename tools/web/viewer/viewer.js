@@ -251,7 +251,7 @@ class Viewer {
             this.searched = 'all';
         if (this.searched === 'not' && performance.now() - (this.searchedAt || 0) > 60) {
             this.searchedAt = performance.now();
-            this.counts = renderer.tilesOf(view, 6, -1, [0, 0]);
+            this.counts = this.withHidden(renderer.tilesOf(view, 6, -1, [0, 0]));
             loader.want(this.counts);
             if (this.bytes && cache.holdsAll)
                 loader.wantAll();
@@ -267,6 +267,16 @@ class Viewer {
         }
         if (!loader.busy && this.searched !== 'not')
             this.layers?.start();
+    }
+
+    // The search finds the nearest surfaces only, but others are seen through holes and surfaces that blend. So all
+    // tiles of such files are wanted, like those of their other layers.
+    withHidden(counts) {
+        const {coverage, opacity} = LAYER_ROLE, {cache} = this;
+        if (cache.holdsAll && [coverage, opacity].some(role => this.layers?.has(role)))
+            for (let tile = 0; tile < cache.grid.tiles; ++tile)
+                counts.has(tile) || counts.set(tile, 0);
+        return counts;
     }
 
     // Resolves when the picture is final.
