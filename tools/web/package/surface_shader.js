@@ -181,7 +181,7 @@ function layeredLines(by, lights, {at, turned, light}) {
         lines.push(`TsrReflectance r = TsrReflectance(frame.z, d, ${light('specular', at('specular'))}, 1.0);`);
         if (by.roughness)
             lines.push(`r.roughness = (${light('roughness', at('roughness'))}).r;`);
-        lines.push('sum *= tsr_diffuse_share(r);', 'share = tsr_reflection_share(r);',
+        lines.push('share = tsr_reflection_share(r);',
                    'TsrLightSum direct = TsrLightSum(vec3(0.0), vec3(0.0), vec3(0.0));');
         if (lights.count)
             lines.push(`for (int four = 0; four < ${lights.count / 4}; ++four) {`,
