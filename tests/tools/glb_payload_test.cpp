@@ -136,6 +136,18 @@ TEST(GlbPayload, RefusesWhatPointsNowhere) {
     expect_refused(glb, unsupported, "is glTF version 1");
 }
 
+TEST(GlbPayload, LeavesOutWhatIsNestedDeeply) {
+    SmallGlb glb;
+    Json* inner = &glb.json["extras"];
+    for (int i = 0; i < 1000; ++i, inner = &(*inner)[0])
+        (*inner)[0] = Json::array();
+    EXPECT_EQ(payload_of(glb.bytes()), "TESS");
+    const std::string open(100000, '[');
+    std::string bytes = "glTF" + SmallGlb::word(2) + SmallGlb::word(20 + open.size()) +
+                        SmallGlb::word(open.size()) + "JSON" + open;
+    EXPECT_NE(payload_of(bytes).find("the JSON chunk is not a JSON object"), std::string::npos);
+}
+
 // Up to the end of the JSON there is nothing to find. From then on there is what has arrived.
 TEST(GlbPayload, OfAFileThatIsCutShort) {
     const std::string bytes = SmallGlb().bytes();

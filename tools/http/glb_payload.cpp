@@ -11,7 +11,8 @@ namespace tessera {
 namespace {
 
 constexpr std::uint32_t glb_magic = 0x46546C67, json_chunk = 0x4E4F534A, bin_chunk = 0x004E4942;
-constexpr std::uint64_t most_json_bytes = 64u << 20;
+constexpr std::uint64_t most_json_bytes = 16u << 20;
+constexpr int deepest_json = 64; // what is nested more deeply takes much memory, and is left out
 
 // A part of another source.
 class PartOfFile final : public ByteSource {
@@ -80,7 +81,10 @@ Result<OpenGlb> read_glb(ByteSource& file) {
     std::string text(json_bytes, '\0');
     TESSERA_TRY(file.read(20, std::as_writable_bytes(std::span(text))));
     OpenGlb glb;
-    glb.json = Json::parse(text, nullptr, false);
+    const auto is_wanted = [](int depth, Json::parse_event_t, const Json&) {
+        return depth <= deepest_json;
+    };
+    glb.json = Json::parse(text, is_wanted, false);
     if (!glb.json.is_object())
         return invalid_glb("the JSON chunk is not a JSON object");
     if (json_end + 8 > length)

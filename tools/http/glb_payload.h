@@ -19,7 +19,7 @@ struct GlbPayload {
 
 // Reads the head and the JSON of a .glb. Errors, all with the source's name: invalid_file, with the
 // place in the JSON; bad_argument (no texture has the extension); unsupported (glTF 1.0, JSON of
-// more than 64 MiB, several textures have the extension); those of reading.
+// more than 16 MiB, several textures have the extension); those of reading.
 Result<GlbPayload> find_glb_payload(ByteSource& file);
 
 // The .tess file inside `file` if that is a .glb, under the same name; any other `file` as it is.
