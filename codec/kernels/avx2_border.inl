@@ -15,25 +15,6 @@ inline __m256i continued_avx2(const BorderLine& from, int y, int x) {
         5);
 }
 
-// Stores the first `count` lanes, at most 8.
-inline void store_lanes(std::int32_t* to, __m256i x, int count) {
-    if (count >= 8) {
-        _mm256_storeu_si256(reinterpret_cast<__m256i_u*>(to), x);
-        return;
-    }
-    __m128i half = _mm256_castsi256_si128(x);
-    if (count >= 4) {
-        _mm_storeu_si128(reinterpret_cast<__m128i_u*>(to), half);
-        half = _mm256_extracti128_si256(x, 1);
-        to += 4;
-        count -= 4;
-    }
-    std::int32_t each[4];
-    _mm_storeu_si128(reinterpret_cast<__m128i_u*>(each), half);
-    for (int i = 0; i < count; ++i)
-        to[i] = each[i];
-}
-
 void continue_top_avx2(const BorderLine& from, std::int32_t* out) {
     for (int y = 0; y < from.depth; ++y, out += from.n)
         for (int x = 0; x < from.n; x += 8)

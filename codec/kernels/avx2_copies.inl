@@ -41,7 +41,7 @@ template <class Value> void put_vectors(const RowsTarget& to, Value value) {
             __m256i x = value(r, whole, load_some);
             if (add != nullptr)
                 x = _mm256_add_epi32(x, added(load_some(add + whole)));
-            _mm256_maskstore_epi32(out + whole, mask, within(x));
+            store_lanes(out + whole, within(x), to.n - whole);
         }
     }
 }
@@ -60,8 +60,8 @@ void put_block_avx2(const std::int32_t* in, int shift, const BlockTarget& to) {
                 reinterpret_cast<__m256i*>(out + i),
                 finished(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + i))));
         if (whole < n)
-            _mm256_maskstore_epi32(out + whole, mask,
-                                   finished(_mm256_maskload_epi32(from + whole, mask)));
+            store_lanes(out + whole, finished(_mm256_maskload_epi32(from + whole, mask)),
+                        n - whole);
     });
 }
 
@@ -150,12 +150,8 @@ void base_along_u_avx2(const std::int32_t* from, int stride, int phase, int rows
     const __m256i mask = lane_mask(n & (lanes - 1));
     const Rounding rounding(base_first_shift);
     for (int r = 0; r < rows; ++r, from += stride, out += n)
-        sum_six_taps(from - base_taps_before, 1, phase, n, mask, [&](int i, __m256i sum) {
-            if (i + lanes <= n)
-                _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + i), rounding(sum));
-            else
-                _mm256_maskstore_epi32(out + i, mask, rounding(sum));
-        });
+        sum_six_taps(from - base_taps_before, 1, phase, n, mask,
+                     [&](int i, __m256i sum) { store_lanes(out + i, rounding(sum), n - i); });
 }
 
 void base_along_v_avx2(const std::int32_t* from, const BaseCopies& to) {
@@ -177,7 +173,7 @@ void base_along_v_avx2(const std::int32_t* from, const BaseCopies& to) {
                          }
                          if (adds)
                              value = sum_of(value, added(_mm256_maskload_epi32(out + i, mask)));
-                         _mm256_maskstore_epi32(out + i, mask, value);
+                         store_lanes(out + i, value, to.page - i);
                      });
 }
 

@@ -138,7 +138,7 @@ private:
         if (n >= lanes)
             _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), x);
         else
-            _mm256_maskstore_epi32(out, lane_mask(n), x);
+            store_lanes(out, x, n);
     }
 
     Ring rings_[filter_rings];

@@ -93,9 +93,8 @@ template <class Transform>
 void for_eight_columns(const std::int32_t* in, std::int32_t* out, int inner, Transform transform) {
     if (inner < lanes) {
         const __m256i mask = lane_mask(inner);
-        transform(
-            [&](int k) { return _mm256_maskload_epi32(in + k * inner, mask); },
-            [&](int x, __m256i value) { _mm256_maskstore_epi32(out + x * inner, mask, value); });
+        transform([&](int k) { return _mm256_maskload_epi32(in + k * inner, mask); },
+                  [&](int x, __m256i value) { store_lanes(out + x * inner, value, inner); });
         return;
     }
     for (int begin = 0; begin < inner; begin += lanes) {
@@ -110,6 +109,39 @@ void for_eight_columns(const std::int32_t* in, std::int32_t* out, int inner, Tra
             });
     }
 }
+
+// The same for every eight of `rows` rows of n texels, which are transposed as they are stored.
+template <class Transform>
+void for_eight_rows(const std::int32_t* in, std::int32_t* out, int rows, int n,
+                    Transform transform) {
+    const int together = rows < lanes ? rows : lanes;
+    const __m256i mask = lane_mask(together);
+    for (int begin = 0; begin < rows; begin += lanes) {
+        // The last rows overlap those before them, so that there are eight.
+        const int first = begin + lanes <= rows ? begin : rows - together;
+        __m256i texels[max_block_side + lanes - 1];
+        const auto store = [&](int x, __m256i value) { texels[x] = value; };
+        const std::int32_t* const from = in + first;
+        if (together == lanes)
+            transform(
+                [&](int k) {
+                    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + k * rows));
+                },
+                store);
+        else
+            transform([&](int k) { return _mm256_maskload_epi32(from + k * rows, mask); }, store);
+        for (int x = n; x % lanes != 0; ++x)
+            texels[x] = _mm256_setzero_si256();
+        for (int x = 0; x < n; x += lanes) {
+            transpose(texels + x);
+            for (int r = 0; r < together; ++r)
+                store_lanes(out + (first + r) * n + x, texels[x + r], n - x);
+        }
+    }
+}
+
+// With fewer columns, each row is transformed on its own.
+constexpr int fewest_columns = 4;
 
 void inverse_planes_avx2(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
     const PairTable& table = pair_table(n);
@@ -127,11 +159,15 @@ void sine_planes_avx2(const std::int32_t* in, std::int32_t* out, int support, in
 void sine_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
     const SinePairs& table = sine_pairs(n);
     const int pairs = (support + 1) / 2;
-    for (int r = 0; r < rows; ++r, in += support, out += n) {
+    if (rows >= fewest_columns)
+        return for_eight_rows(in, out, rows, n, [&](auto load, auto store) {
+            sine_columns(table, support, n, load, store);
+        });
+    for (int r = 0; r < rows; ++r, ++in, out += n) {
         std::int32_t high[max_sine_side / 2], low[max_sine_side / 2];
         for (int p = 0; p < pairs; ++p) {
-            const std::int32_t a = clamped(in[2 * p]);
-            const std::int32_t b = 2 * p + 1 < support ? clamped(in[2 * p + 1]) : 0;
+            const std::int32_t a = clamped(in[2 * p * rows]);
+            const std::int32_t b = 2 * p + 1 < support ? clamped(in[(2 * p + 1) * rows]) : 0;
             high[p] = packed(a >> low_bits, b >> low_bits);
             low[p] = packed(a & low_mask, b & low_mask);
         }
@@ -143,8 +179,7 @@ void sine_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int sup
                 h = _mm256_add_epi32(h, _mm256_madd_epi16(_mm256_set1_epi32(high[p]), c));
                 l = _mm256_add_epi32(l, _mm256_madd_epi16(_mm256_set1_epi32(low[p]), c));
             }
-            _mm256_maskstore_epi32(out + x, lane_mask(n - x),
-                                   combine_lanes(h, l, _mm256_setzero_si256()));
+            store_lanes(out + x, combine_lanes(h, l, _mm256_setzero_si256()), n - x);
         }
     }
 }
@@ -152,11 +187,15 @@ void sine_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int sup
 void inverse_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
     const PairTable& table = pair_table(n);
     const int pairs = support / 2;
-    for (int r = 0; r < rows; ++r, in += support, out += n) {
+    if (rows >= fewest_columns)
+        return for_eight_rows(in, out, rows, n, [&](auto load, auto store) {
+            inverse_columns(table, support, n, load, store);
+        });
+    for (int r = 0; r < rows; ++r, ++in, out += n) {
         std::int32_t high[max_frequencies / 2], low[max_frequencies / 2];
         for (int p = 0; p < pairs; ++p) {
-            const std::int32_t a = clamped(in[2 * p + 1]);
-            const std::int32_t b = 2 * p + 2 < support ? clamped(in[2 * p + 2]) : 0;
+            const std::int32_t a = clamped(in[(2 * p + 1) * rows]);
+            const std::int32_t b = 2 * p + 2 < support ? clamped(in[(2 * p + 2) * rows]) : 0;
             high[p] = packed(a >> low_bits, b >> low_bits);
             low[p] = packed(a & low_mask, b & low_mask);
         }
@@ -177,10 +216,45 @@ void inverse_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int 
                 const __m256i bits = _mm256_cvtepu8_epi32(
                     _mm_loadl_epi64(reinterpret_cast<const __m128i*>(table.whole + x)));
                 const __m256i mask = _mm256_cmpeq_epi32(_mm256_and_si256(bits, bit), bit);
-                whole = _mm256_add_epi32(whole,
-                                         _mm256_and_si256(mask, _mm256_set1_epi32(clamped(in[k]))));
+                whole = _mm256_add_epi32(
+                    whole, _mm256_and_si256(mask, _mm256_set1_epi32(clamped(in[k * rows]))));
             }
-            _mm256_maskstore_epi32(out + x, lane_mask(n - x), combine_lanes(h, l, whole));
+            store_lanes(out + x, combine_lanes(h, l, whole), n - x);
+        }
+    }
+}
+
+void unrotate_avx2(std::int32_t* const planes[3], int count, const RotationMatrix& matrix) {
+    std::int32_t m[3][3];
+    __builtin_memcpy(m, &matrix, sizeof m);
+    __m256i weight[3][3];
+    for (int p = 0; p < 3; ++p)
+        for (int j = 0; j < 3; ++j)
+            weight[p][j] = _mm256_set1_epi32(m[p][j]);
+    const __m256i half = _mm256_set1_epi32(1 << (rotation_bits - 1));
+    const __m256i low = _mm256_set1_epi32(low_mask);
+    for (int i = 0; i < count; i += lanes) {
+        const __m256i mask = lane_mask(count - i);
+        __m256i highs[3], lows[3], any = _mm256_setzero_si256();
+        for (int j = 0; j < 3; ++j) {
+            const __m256i x = _mm256_maskload_epi32(planes[j] + i, mask);
+            any = _mm256_or_si256(any, x);
+            highs[j] = _mm256_srai_epi32(x, low_bits);
+            lows[j] = _mm256_and_si256(x, low);
+        }
+        if (_mm256_testz_si256(any, any)) // most coefficients are 0
+            continue;
+        for (int p = 0; p < 3; ++p) {
+            const auto sum = [&](const __m256i x[3]) {
+                return _mm256_add_epi32(_mm256_add_epi32(_mm256_mullo_epi32(x[0], weight[p][0]),
+                                                         _mm256_mullo_epi32(x[1], weight[p][1])),
+                                        _mm256_mullo_epi32(x[2], weight[p][2]));
+            };
+            const __m256i carry = _mm256_srai_epi32(_mm256_add_epi32(sum(lows), half), low_bits);
+            store_lanes(
+                planes[p] + i,
+                _mm256_srai_epi32(_mm256_add_epi32(sum(highs), carry), rotation_bits - low_bits),
+                count - i);
         }
     }
 }

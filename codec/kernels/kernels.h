@@ -95,13 +95,13 @@ template <class Value> struct PaddedRows {
 struct Kernels {
     const char* name;
 
-    // One inverse DCT pass along the innermost axis (FORMAT.md 4.3), for each of `rows` rows:
+    // One inverse DCT pass (FORMAT.md 4.3) along an axis that becomes the innermost one:
     //
-    //   out[x] = round(sum over k < support of basis(n)[k][x] * in[k] / 2^15)
+    //   out[r][x] = round(sum over k < support of basis(n)[k][x] * in[k][r] / 2^15)
     //
-    // in: rows x support, contiguous. out: rows x n, contiguous.
+    // in: support x rows. out: rows x n.
     void (*inverse_rows)(const std::int32_t* in, std::int32_t* out, int rows, int support, int n);
-    // The same along an outer axis. in: support x inner. out: n x inner.
+    // The same along an axis that stays the outer one. in: support x inner. out: n x inner.
     void (*inverse_planes)(const std::int32_t* in, std::int32_t* out, int support, int n,
                            int inner);
 
@@ -111,6 +111,10 @@ struct Kernels {
 
     // Rotates `count` coefficients of three planes back to Y, Co, Cg (FORMAT.md 4.4).
     void (*unrotate)(std::int32_t* const planes[3], int count, const RotationMatrix& matrix);
+
+    // Adds to `count` coefficients of chroma the share of luma that predicts them (FORMAT.md 4.4).
+    // `share` has rotation_bits fraction bits. |luma| is at most coefficient_limit.
+    void (*add_luma)(const std::int32_t* luma, int count, std::int32_t share, std::int32_t* chroma);
 
     // Writes floor((in + 2^(shift - 1)) / 2^shift), or `in` for shift 0. `in` is dense.
     void (*put_block)(const std::int32_t* in, int shift, const BlockTarget& to);
@@ -142,6 +146,11 @@ struct Kernels {
     // left to n x depth texels.
     void (*continue_top)(const BorderLine& from, std::int32_t* out);
     void (*continue_left)(const BorderLine& from, std::int32_t* out);
+
+    // Fills a block of nu x nv texels with the plane between its borders (mode 2 of FORMAT.md 4.6).
+    // `top` has nu + 1 texels, `left` nv + 1.
+    void (*continue_both)(const std::int32_t* top, const std::int32_t* left, int nu, int nv,
+                          std::int32_t* out);
 
     // Copies the dense rows of a view for the filter, clamped to -limit .. limit - 1, with margins.
     // Returns the rows that are all 0. May write 15 values past a row's margin.

@@ -36,12 +36,12 @@ constexpr int lanes = 8;
 
 // Computes up to `lanes` outputs of a row: `width` of them, or `count` if width is 0.
 template <int width>
-inline void row_chunk(const std::int32_t* in, std::int32_t* out, int support, const std::int32_t* b,
-                      int n, int count) {
+inline void row_chunk(const std::int32_t* in, std::int32_t* out, int rows, int support,
+                      const std::int32_t* b, int n, int count) {
     const int w = width > 0 ? width : count;
     std::uint32_t high[lanes] = {}, low[lanes] = {};
     for (int k = 0; k < support; ++k) {
-        const std::int32_t x = clamped(in[k]);
+        const std::int32_t x = clamped(in[k * rows]);
         const std::uint32_t h = wide(x >> low_bits), l = wide(x & low_mask);
         const std::int32_t* row = b + k * n;
         for (int i = 0; i < w; ++i) {
@@ -55,12 +55,12 @@ inline void row_chunk(const std::int32_t* in, std::int32_t* out, int support, co
 
 void rows_with_basis(const std::int32_t* in, std::int32_t* out, int rows, int support,
                      const std::int32_t* b, int n) {
-    for (int r = 0; r < rows; ++r, in += support, out += n) {
+    for (int r = 0; r < rows; ++r, out += n) {
         int x = 0;
         for (; x + lanes <= n; x += lanes)
-            row_chunk<lanes>(in, out + x, support, b + x, n, lanes);
+            row_chunk<lanes>(in + r, out + x, rows, support, b + x, n, lanes);
         if (x < n)
-            row_chunk<0>(in, out + x, support, b + x, n, n - x);
+            row_chunk<0>(in + r, out + x, rows, support, b + x, n, n - x);
     }
 }
 void inverse_rows(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
@@ -147,42 +147,34 @@ void sine_planes(const std::int32_t* in, std::int32_t* out, int support, int n, 
     sine_planes_part(in, out, support, n, inner, 0);
 }
 
-// Rotates `width` coefficients from index i on. Most are 0.
-template <int width>
-inline void unrotate_some(std::int32_t* const planes[3], int i, const std::int32_t m[3][3]) {
-    std::int32_t any = 0;
-    std::uint32_t high[3][width], low[3][width];
-    for (int j = 0; j < 3; ++j)
-        for (int lane = 0; lane < width; ++lane) {
-            const std::int32_t x = planes[j][i + lane];
-            any |= x;
-            high[j][lane] = wide(x >> low_bits);
-            low[j][lane] = wide(x & low_mask);
-        }
-    if (any == 0)
-        return;
-    for (int p = 0; p < 3; ++p)
-        for (int lane = 0; lane < width; ++lane) {
-            std::uint32_t high_sum = 0, low_sum = 1u << (rotation_bits - 1);
-            for (int j = 0; j < 3; ++j) {
-                high_sum += wide(m[p][j]) * high[j][lane];
-                low_sum += wide(m[p][j]) * low[j][lane];
-            }
-            const auto carry = static_cast<std::int32_t>(low_sum) >> low_bits;
-            planes[p][i + lane] =
-                static_cast<std::int32_t>(high_sum + wide(carry)) >> (rotation_bits - low_bits);
-        }
-}
-
-template <int at_once>
+// Most coefficients are 0.
 void unrotate(std::int32_t* const planes[3], int count, const RotationMatrix& matrix) {
     std::int32_t m[3][3];
     __builtin_memcpy(m, &matrix, sizeof m);
-    int i = 0;
-    for (; at_once > 1 && i + at_once <= count; i += at_once)
-        unrotate_some<at_once>(planes, i, m);
-    for (; i < count; ++i)
-        unrotate_some<1>(planes, i, m);
+    for (int i = 0; i < count; ++i) {
+        const std::int32_t x[3] = {planes[0][i], planes[1][i], planes[2][i]};
+        if ((x[0] | x[1] | x[2]) == 0)
+            continue;
+        for (int p = 0; p < 3; ++p) {
+            std::uint32_t high = 0, low = 1u << (rotation_bits - 1);
+            for (int j = 0; j < 3; ++j) {
+                high += wide(m[p][j]) * wide(x[j] >> low_bits);
+                low += wide(m[p][j]) * wide(x[j] & low_mask);
+            }
+            const auto carry = static_cast<std::int32_t>(low) >> low_bits;
+            planes[p][i] =
+                static_cast<std::int32_t>(high + wide(carry)) >> (rotation_bits - low_bits);
+        }
+    }
+}
+
+void add_luma(const std::int32_t* __restrict luma, int count, std::int32_t share,
+              std::int32_t* __restrict chroma) {
+    for (int i = 0; i < count; ++i) {
+        const std::int32_t low = share * (luma[i] & low_mask) + (1 << (rotation_bits - 1));
+        const std::int32_t sum = share * (luma[i] >> low_bits) + (low >> low_bits);
+        chroma[i] += sum >> (rotation_bits - low_bits);
+    }
 }
 
 // floor((x + 2^(shift - 1)) / 2^shift), or x for shift 0.
@@ -366,6 +358,30 @@ inline std::int32_t continued(const std::int32_t* from, int part, int x) {
     return ((32 - part) * from[x] + part * from[x + 1] + 16) >> 5;
 }
 
+// of[n][x] is floor(64 * (x + 1) / n).
+struct RampWeights {
+    std::uint8_t of[max_block_side + 1][max_block_side] = {};
+    constexpr RampWeights() {
+        for (int n = 1; n <= max_block_side; ++n)
+            for (int x = 0; x < n; ++x)
+                of[n][x] = static_cast<std::uint8_t>(64 * (x + 1) / n);
+    }
+};
+constexpr RampWeights ramp_weights;
+
+// The mean of two ramps: from the left side to the texel right of the upper one, and from the upper
+// side to the texel below the left one.
+void continue_both(const std::int32_t* top, const std::int32_t* left, int nu, int nv,
+                   std::int32_t* __restrict out) {
+    const std::int32_t right = top[nu], below = left[nv];
+    for (int y = 0; y < nv; ++y, out += nu) {
+        const std::int32_t down = ramp_weights.of[nv][y], across = right - left[y];
+        const std::int32_t fixed = 64 * left[y] + down * below + 64;
+        for (int x = 0; x < nu; ++x)
+            out[x] = (fixed + ramp_weights.of[nu][x] * across + (64 - down) * top[x]) >> 7;
+    }
+}
+
 void continue_top(const BorderLine& from, std::int32_t* out) {
     for (int y = 0; y < from.depth; ++y, out += from.n) {
         const int at = (y + 1) * from.slope, part = at & 31;
@@ -454,7 +470,8 @@ constexpr Kernels make_kernels(const char* name) {
             .inverse_planes = inverse_planes,
             .sine_rows = sine_rows,
             .sine_planes = sine_planes,
-            .unrotate = unrotate<1>,
+            .unrotate = unrotate,
+            .add_luma = add_luma,
             .put_block = put_block,
             .add_copies = add_copies,
             .copy_rows = copy_rows,
@@ -464,6 +481,7 @@ constexpr Kernels make_kernels(const char* name) {
             .load_ycocg8 = load_ycocg8,
             .continue_top = continue_top,
             .continue_left = continue_left,
+            .continue_both = continue_both,
             .pad_rows = pad_rows<std::int16_t>,
             .pad_wide_rows = pad_rows<std::int32_t>,
             .filter_view = filter_view<std::int16_t>,

@@ -15,6 +15,27 @@ __m256i lane_mask(int count) {
     return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), index);
 }
 
+// Stores the first `count` lanes, at most 8. Masked stores are slow on AMD's Zen.
+inline void store_lanes(std::int32_t* to, __m256i x, int count) {
+    if (count >= lanes) {
+        _mm256_storeu_si256(reinterpret_cast<__m256i_u*>(to), x);
+        return;
+    }
+    __m128i half = _mm256_castsi256_si128(x);
+    if ((count & 4) != 0) {
+        _mm_storeu_si128(reinterpret_cast<__m128i_u*>(to), half);
+        half = _mm256_extracti128_si256(x, 1);
+        to += 4;
+    }
+    if ((count & 2) != 0) {
+        _mm_storeu_si64(to, half);
+        half = _mm_unpackhi_epi64(half, half);
+        to += 2;
+    }
+    if ((count & 1) != 0)
+        *to = _mm_cvtsi128_si32(half);
+}
+
 } // namespace
 } // namespace tessera
 
@@ -37,7 +58,7 @@ constexpr Kernels make_avx2_kernels() {
     k.inverse_planes = inverse_planes_avx2;
     k.sine_rows = sine_rows_avx2;
     k.sine_planes = sine_planes_avx2;
-    k.unrotate = unrotate<lanes>;
+    k.unrotate = unrotate_avx2;
     k.put_block = put_block_avx2;
     k.copy_rows = copy_rows_avx2;
     k.base_along_u = base_along_u_avx2;

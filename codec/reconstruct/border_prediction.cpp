@@ -31,8 +31,21 @@ void BlockBorder::Side::fill(std::int32_t value) {
     std::fill_n(texel_.begin(), length_, value);
 }
 
-BlockBorder::BlockBorder(const Block& block, const BlockShape& picture,
-                         std::span<const std::int32_t> plane, const DecodedRegion& done)
+BorderReach border_reach(const Block& block, const BlockShape& picture, const DecodedRegion& done) {
+    const int u = block.origin[0], v = block.origin[1];
+    const int length = block.shape.n[0] + block.shape.n[1];
+    BorderReach reach;
+    if (v > 0)
+        while (reach.top < std::min(length, picture.n[0] - u) && done.height(u + reach.top) >= v)
+            ++reach.top;
+    if (u > 0)
+        while (reach.left < std::min(length, picture.n[1] - v) && done.width(v + reach.left) >= u)
+            ++reach.left;
+    return reach;
+}
+
+BlockBorder::BlockBorder(const Block& block, const BlockShape& picture, BorderReach reach,
+                         std::span<const std::int32_t> plane)
     : nu_(block.shape.n[0]), nv_(block.shape.n[1]), length_(nu_ + nv_) {
     const int u = block.origin[0], v = block.origin[1];
     const auto at = [&](int x, int y) {
@@ -42,20 +55,11 @@ BlockBorder::BlockBorder(const Block& block, const BlockShape& picture,
     has_left_ = u > 0;
     top_.begin(length_);
     left_.begin(length_);
-    if (has_top_) {
-        const int most = std::min(length_, picture.n[0] - u);
-        int count = 0;
-        while (count < most && done.height(u + count) >= v)
-            ++count;
-        top_.read(&plane[static_cast<std::size_t>((v - 1) * picture.n[0] + u)], 1, count);
-    }
-    if (has_left_) {
-        const int most = std::min(length_, picture.n[1] - v);
-        int count = 0;
-        while (count < most && done.width(v + count) >= u)
-            ++count;
-        left_.read(&plane[static_cast<std::size_t>(v * picture.n[0] + u - 1)], picture.n[0], count);
-    }
+    if (has_top_)
+        top_.read(&plane[static_cast<std::size_t>((v - 1) * picture.n[0] + u)], 1, reach.top);
+    if (has_left_)
+        left_.read(&plane[static_cast<std::size_t>(v * picture.n[0] + u - 1)], picture.n[0],
+                   reach.left);
     complete(has_top_ && has_left_ ? at(u - 1, v - 1) : 0);
 }
 
@@ -63,7 +67,7 @@ void BlockBorder::predict(BorderMode mode, std::int32_t* out) const {
     if (mode == mode_mean)
         std::fill_n(out, nu_ * nv_, mean());
     else if (mode == mode_planar)
-        planar(out);
+        kernels().continue_both(top_.data(), left_.data(), nu_, nv_, out);
     else if (mode < mode_first_direction + first_upper_direction)
         directional(mode, left_, top_, nv_, nu_, true, out);
     else
@@ -100,24 +104,6 @@ std::int32_t BlockBorder::mean() const {
     return count == 0 ? 0 : floor_of(sum, count);
 }
 
-// The mean of two ramps: from the left side to the texel right of the upper one, and from the upper
-// side to the texel below the left one.
-void BlockBorder::planar(std::int32_t* out) const {
-    const std::int32_t right = top_[nu_], below = left_[nv_];
-    std::array<std::int32_t, max_block_side> weight_u;
-    for (int x = 0; x < nu_; ++x)
-        weight_u[static_cast<std::size_t>(x)] = 64 * (x + 1) / nu_;
-    for (int y = 0; y < nv_; ++y) {
-        const std::int32_t weight_v = 64 * (y + 1) / nv_, left = left_[y];
-        for (int x = 0; x < nu_; ++x) {
-            const std::int32_t across = weight_u[static_cast<std::size_t>(x)];
-            *out++ = ((64 - across) * left + across * right + (64 - weight_v) * top_[x] +
-                      weight_v * below + 64) >>
-                     7;
-        }
-    }
-}
-
 // Continues the texels of side `along`, n of which touch the block, for `depth` texels away from it.
 // Where a direction leaves that side beyond the corner, it goes on along the other side.
 void BlockBorder::directional(BorderMode mode, const Side& along, const Side& other, int n,
@@ -136,12 +122,6 @@ void BlockBorder::directional(BorderMode mode, const Side& along, const Side& ot
     }
     const BorderLine from{.line = line, .slope = slope, .n = n, .depth = depth};
     (sideways ? kernels().continue_left : kernels().continue_top)(from, out);
-}
-
-void predict_from_border(const Block& block, BorderMode mode, const BlockShape& picture,
-                         std::span<const std::int32_t> plane, const DecodedRegion& done,
-                         std::int32_t* out) {
-    BlockBorder(block, picture, plane, done).predict(mode, out);
 }
 
 } // namespace tessera

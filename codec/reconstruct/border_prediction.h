@@ -10,13 +10,20 @@
 
 namespace tessera {
 
+// How many texels of a block's border have been decoded, from the block's upper left corner on:
+// above the block to the right, and to its left downwards. It is the same in all planes.
+struct BorderReach {
+    int top = 0, left = 0;
+};
+BorderReach border_reach(const Block& block, const BlockShape& picture, const DecodedRegion& done);
+
 // The decoded texels beside a block of a picture, in one plane. Reading them once serves all modes.
 class BlockBorder {
 public:
-    // `plane` is a plane of the picture, `done` what has been decoded of it. Precondition: the block
+    // `plane` is a plane of the picture, `reach` the block's border_reach(). Precondition: the block
     // lies in the picture.
-    BlockBorder(const Block& block, const BlockShape& picture, std::span<const std::int32_t> plane,
-                const DecodedRegion& done);
+    BlockBorder(const Block& block, const BlockShape& picture, BorderReach reach,
+                std::span<const std::int32_t> plane);
 
     // Writes the prediction to `out`, row by row. Preconditions: mode > 0, and `out` has room.
     void predict(BorderMode mode, std::int32_t* out) const;
@@ -40,7 +47,6 @@ private:
 
     void complete(std::int32_t corner);
     std::int32_t mean() const;
-    void planar(std::int32_t* out) const;
     void directional(BorderMode mode, const Side& along, const Side& other, int n, int depth,
                      bool sideways, std::int32_t* out) const;
 
@@ -49,12 +55,5 @@ private:
     std::int32_t corner_ = 0;
     Side top_, left_;
 };
-
-// Writes the prediction of one plane of `block` to `out`, row by row. `plane` is a plane of the
-// picture, `done` what has been decoded of it. Preconditions: mode > 0, the block lies in the
-// picture, and `out` has room for it.
-void predict_from_border(const Block& block, BorderMode mode, const BlockShape& picture,
-                         std::span<const std::int32_t> plane, const DecodedRegion& done,
-                         std::int32_t* out);
 
 } // namespace tessera

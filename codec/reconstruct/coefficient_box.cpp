@@ -1,6 +1,7 @@
 #include "codec/reconstruct/coefficient_box.h"
 
 #include "codec/kernels/kernels.h"
+#include "format/tile/border_mode.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -16,8 +17,26 @@ void CoefficientBox::begin() {
     support_ = {1, 1, 1, 1};
 }
 
+// The same for a block of one view, which has one column.
+void CoefficientBox::add_picture(std::span<const NonZero> levels, const ScanOrder& order) {
+    if (levels.empty())
+        return;
+    std::uint8_t u = support_[0], v = support_[1];
+    for (const NonZero& nz : levels) {
+        const auto& k = order.entry[nz.index].k;
+        u = std::max(u, static_cast<std::uint8_t>(k[0] + 1));
+        v = std::max(v, static_cast<std::uint8_t>(k[1] + 1));
+    }
+    support_ = {u, v, 1, 1};
+    column_of_[0] = view_[0] = 0;
+    of_t_[0] = 1;
+    count_ = 1;
+}
+
 // Sums stay in local variables, because stores to bytes could change any member.
 void CoefficientBox::add(std::span<const NonZero> levels, const ScanOrder& order) {
+    if (is_picture(order.shape))
+        return add_picture(levels, order);
     std::array<int, 4> support{support_[0], support_[1], support_[2], support_[3]};
     for (const NonZero& nz : levels) {
         const ScanEntry& entry = order.entry[nz.index];
@@ -42,11 +61,25 @@ bool CoefficientBox::columns_run_fastest() const {
 void CoefficientBox::dequantize(std::span<const NonZero> levels, const ScanOrder& order,
                                 const ScaleSet& scales, const ReconstructionOffsets& offsets,
                                 SineAxes sines, std::vector<std::int32_t>& box) const {
-    const bool columns_first = columns_run_fastest();
-    const int u_step = columns_first ? count_ : 1, v_step = u_step * support_[0];
-    const int column_step = columns_first ? 1 : support_[0] * support_[1];
     box.resize(std::max(box.size(), static_cast<std::size_t>(order.shape.texels())));
     std::fill_n(box.begin(), size(), 0);
+    if (is_picture(order.shape)) { // has one column
+        const ScaleSet of_axes = scales;
+        const int rows = support_[1];
+        for (const NonZero& nz : levels) {
+            const auto& k = order.entry[nz.index].k;
+            const int axes = (k[0] > 0 || sines.u) + (k[1] > 0 || sines.v);
+            const std::int32_t magnitude = tessera::dequantize(
+                std::abs(nz.level), of_axes[static_cast<std::size_t>(axes)], offsets);
+            box[static_cast<std::size_t>(k[0] * rows + k[1])] =
+                nz.level < 0 ? -magnitude : magnitude;
+        }
+        return;
+    }
+    const bool columns_first = columns_run_fastest();
+    const int u_step = columns_first ? count_ : support_[1] * count_;
+    const int v_step = columns_first ? count_ * support_[0] : 1;
+    const int column_step = columns_first ? 1 : support_[1];
     for (const NonZero& nz : levels) {
         const ScanEntry& entry = order.entry[nz.index];
         const auto& k = entry.k;
@@ -106,8 +139,10 @@ void CoefficientBox::transform(const BlockShape& shape, SineAxes sines,
         pass(1, count_, n[0]);
     }
     const int page = n[0] * n[1];
-    spread_columns(from, page, to);
-    std::swap(from, to);
+    if (!is_picture(shape)) {
+        spread_columns(from, page, to);
+        std::swap(from, to);
+    }
     if (n[2] > 1) {
         for (int t = 0; t < support_[3]; ++t) {
             const int s_support = of_t_[static_cast<std::size_t>(t)];

@@ -27,14 +27,16 @@ public:
     void add(std::span<const NonZero> levels, const ScanOrder& order);
 
     // Whether at most the DC coefficient is not 0.
-    bool is_constant() const { return support_ == Support{1, 1, 1, 1}; }
+    bool is_constant() const {
+        return support_[0] + support_[1] + support_[2] + support_[3] == 4; // each is at least 1
+    }
     // How many coefficients dequantize() fills.
     int size() const { return support_[0] * support_[1] * count_; }
     // Where dequantize() puts the DC coefficient, or -1 if it leaves out its column, where all
     // coefficients are 0.
     int dc() const {
         const int column = column_of_[0];
-        return column < 0 || columns_run_fastest() ? column : column * support_[0] * support_[1];
+        return column < 0 || columns_run_fastest() ? column : column * support_[1];
     }
     // Dequantises a plane into `box` in the order that transform() expects, with room for all
     // passes. Blocks with sines have one view.
@@ -49,6 +51,7 @@ private:
     using Support = std::array<std::uint8_t, 4>;
     static constexpr int views = max_frequencies * max_frequencies;
 
+    void add_picture(std::span<const NonZero> levels, const ScanOrder& order);
     // Whether columns are adjacent in memory. With few columns, rows fill vectors better.
     bool columns_run_fastest() const;
     static int view_of(const ScanEntry& entry) { return entry.k[3] * max_frequencies + entry.k[2]; }

@@ -200,8 +200,9 @@ void predict_plane(const Block& block, const BlockPrediction& prediction, const 
     const auto& n = block.shape.n;
     out.resize(std::max(out.size(), static_cast<std::size_t>(block.shape.texels())));
     if (!prediction.copies())
-        predict_from_border(block, prediction.mode, decoded.shape, decoded.plane[plane],
-                            decoded.done, out.data());
+        BlockBorder(block, decoded.shape, border_reach(block, decoded.shape, decoded.done),
+                    decoded.plane[plane])
+            .predict(prediction.mode, out.data());
     else if (prediction.copies_base())
         BaseCopy(block, prediction, decoded, plane).run(BaseCopies::nothing_there, out.data());
     else

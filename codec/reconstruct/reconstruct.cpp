@@ -33,7 +33,10 @@ public:
           prediction_(tile.is_predicted(index) ? &tile.predictions[index] : nullptr),
           sines_(prediction_ != nullptr ? sine_axes(prediction_->transform, block_.shape)
                                         : SineAxes{}),
-          limit_(tile.predictions.empty() ? no_limit : value_limit(coding.type)) {}
+          limit_(tile.predictions.empty() ? no_limit : value_limit(coding.type)) {
+        if (prediction_ != nullptr && !prediction_->copies())
+            reach_ = border_reach(block_, picture_, is_of_base_ ? planes.base_done : planes.done);
+    }
 
     void run() {
         int plane = 0;
@@ -78,19 +81,28 @@ private:
             dequantize(plane, scratch_.rotated[static_cast<std::size_t>(plane)]);
         auto& [a, b, c] = scratch_.rotated;
         std::int32_t* const rotated[3] = {a.data(), b.data(), c.data()};
-        const int dc = scratch_.box.dc();
-        // The means of blocks without prediction are not related.
-        const bool keeps_dc = colour_.predicts_chroma() && prediction_ == nullptr && dc >= 0;
-        const std::int32_t co = keeps_dc ? b[dc] : 0, cg = keeps_dc ? c[dc] : 0;
-        kernels().unrotate(rotated, scratch_.box.size(), colour_matrix(colour_));
-        if (keeps_dc) {
-            b[dc] = co;
-            c[dc] = cg;
-        }
+        const RotationMatrix matrix = colour_matrix(colour_);
+        if (colour_.is_rotated())
+            kernels().unrotate(rotated, scratch_.box.size(), matrix);
+        else
+            for (std::size_t p = 1; p < 3; ++p)
+                if (matrix[p][0] != 0)
+                    predict_chroma(matrix[p][0], scratch_.rotated[p]);
         for (int plane = 0; plane < 3; ++plane) {
             scratch_.a.swap(scratch_.rotated[static_cast<std::size_t>(plane)]);
             finish(plane);
         }
+    }
+
+    // Adds a share of luma to the coefficients of a plane.
+    void predict_chroma(std::int32_t share, std::vector<std::int32_t>& chroma) {
+        const int dc = scratch_.box.dc();
+        // The means of blocks without prediction are not related.
+        const bool keeps_dc = prediction_ == nullptr && dc >= 0;
+        const std::int32_t mean = keeps_dc ? chroma[static_cast<std::size_t>(dc)] : 0;
+        kernels().add_luma(scratch_.rotated[0].data(), scratch_.box.size(), share, chroma.data());
+        if (keeps_dc)
+            chroma[static_cast<std::size_t>(dc)] = mean;
     }
 
     // Transforms the coefficients in scratch_.a to the block's texels.
@@ -139,9 +151,8 @@ private:
         std::vector<std::int32_t>& predicted = scratch_.predicted;
         const auto read = static_cast<std::size_t>((n[1] + 1) * n[0] + 1); // by copy_rows()
         predicted.resize(std::max(predicted.size(), read));
-        predict_from_border(
-            block_, prediction_->mode, picture_, planes_[static_cast<std::size_t>(plane)],
-            is_of_base_ ? tile_planes_.base_done : tile_planes_.done, predicted.data());
+        BlockBorder(block_, picture_, reach_, planes_[static_cast<std::size_t>(plane)])
+            .predict(prediction_->mode, predicted.data());
         const bool has_difference = shift != BaseCopies::nothing_there;
         const BlockTarget to = target(plane);
         constexpr int whole_texels = copy_filter(false, 0, 0);
@@ -175,6 +186,7 @@ private:
     const BlockPrediction* const prediction_; // null if the block is not predicted
     const SineAxes sines_;
     const std::int32_t limit_; // for blocks without prediction
+    BorderReach reach_;        // of a block that is predicted from its border
 };
 
 } // namespace

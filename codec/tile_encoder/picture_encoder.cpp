@@ -217,10 +217,12 @@ void PictureEncoder::compare_luma(const Block& block) {
 // Finds the modes in which the block is coded, by estimates.
 void PictureEncoder::find_candidates(const Block& block) {
     borders_.clear();
-    if (settings_.pictures.borders && (block.origin[0] > 0 || block.origin[1] > 0))
+    if (settings_.pictures.borders && (block.origin[0] > 0 || block.origin[1] > 0)) {
+        const BorderReach reach = border_reach(block, decoded_.shape, decoded_.done);
         for (int plane = 0; plane < coding_.planes; ++plane)
-            borders_.emplace_back(block, decoded_.shape,
-                                  decoded_.plane[static_cast<std::size_t>(plane)], decoded_.done);
+            borders_.emplace_back(block, decoded_.shape, reach,
+                                  decoded_.plane[static_cast<std::size_t>(plane)]);
+    }
     compare_luma(block);
     candidates_.clear();
     const auto wanted = static_cast<std::size_t>(settings_.pictures.coded_modes);

@@ -36,8 +36,8 @@ public:
     }
     std::vector<std::int32_t> predict(const Block& block, int mode) const {
         std::vector<std::int32_t> out(static_cast<std::size_t>(block.shape.texels()));
-        predict_from_border(block, static_cast<BorderMode>(mode), shape_, plane_, done_,
-                            out.data());
+        BlockBorder(block, shape_, border_reach(block, shape_, done_), plane_)
+            .predict(static_cast<BorderMode>(mode), out.data());
         return out;
     }
     // As above, with all that may precede the block decoded.

@@ -32,12 +32,17 @@ template <class Visit> void for_each_coded(const BlockShape& shape, Visit visit)
 // Runs the passes of FORMAT.md 4.3 on a block with all coded frequencies, with the kernels.
 inline std::vector<std::int32_t> inverse_by_kernels(const std::vector<std::int32_t>& block,
                                                     const BlockShape& shape) {
-    std::vector<std::int32_t> x, y(block.size());
-    for_each_coded(shape, [&](std::size_t i) { x.push_back(block[i]); });
-    x.resize(block.size());
+    std::vector<std::int32_t> x(block.size()), y(block.size());
     const auto& n = shape.n;
     const Kernels& k = kernels();
     int rows = coded(shape, 1) * coded(shape, 2) * coded(shape, 3);
+    // The first pass reads its axis as the outermost one.
+    int next = 0;
+    for_each_coded(shape, [&](std::size_t i) {
+        x[static_cast<std::size_t>(next % coded(shape, 0) * rows + next / coded(shape, 0))] =
+            block[i];
+        ++next;
+    });
     if (n[0] > 1) {
         k.inverse_rows(x.data(), y.data(), rows, coded(shape, 0), n[0]);
         x.swap(y);
