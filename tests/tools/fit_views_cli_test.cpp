@@ -68,12 +68,12 @@ void write_views(const fs::path& folder) {
             std::string file = "P6\n32 24\n255\n";
             for (int j = 0; j < 24; ++j)
                 for (int i = 0; i < 32; ++i) {
-                    const double x = i - 2 * s, y = j + 2 * t;
+                    const double x = i - 2 * s, y = j - 2 * t;
                     for (const double phase : {0.0, 1.0, 2.0})
                         file += static_cast<char>(std::lround(128 + 60 * std::sin(0.9 * x + phase) *
                                                                         std::cos(0.7 * y - phase)));
                 }
-            spit(folder / ("v_" + std::to_string(t) + std::to_string(s) + ".ppm"), file);
+            spit(folder / ("r" + std::to_string(t) + "c" + std::to_string(s) + ".ppm"), file);
         }
 }
 
