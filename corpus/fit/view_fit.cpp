@@ -113,7 +113,7 @@ Result<double> choose_share(const PhotoSphere& sphere, std::uint32_t n,
     options.iterations = 20;
     const std::uint32_t width = width_on(sphere, photographs, n, coarse_texels);
     double best = 1, least = 0;
-    for (const double share : {1.0, 0.85, 0.7, 0.55, 0.4}) {
+    for (const double share : {1.0, 0.8, 0.6, 0.4, 0.25, 0.1}) {
         ViewFields fitted({width, width / 2}, {n, n}, sphere_maker(share));
         fitted.most_samples = fitted.most_pixels = coarse_samples;
         TESSERA_TRY_ASSIGN(const double error,

@@ -218,7 +218,7 @@ std::uint32_t directions_of(const PhotoSphere& sphere,
     }
     const double angle = std::max(quantile(std::move(angles), 0.5), 1e-3);
     return static_cast<std::uint32_t>(
-        std::clamp(std::round(std::numbers::pi / angle), fewest, most));
+        std::clamp(std::round(2.0 * std::numbers::pi / angle), fewest, most));
 }
 
 std::uint32_t width_on(const PhotoSphere& sphere, std::span<const PosedPhotograph> photographs,

@@ -44,8 +44,9 @@ Result<SizedWindow> window_of(std::span<const PosedPhotograph> photographs, doub
 // to 32 times that. Empty if all cameras stand at one place.
 std::vector<double> possible_focuses(std::span<const PosedPhotograph> photographs);
 
-// The number of directions along s and t of a texture on the sphere, such that neighbouring
-// directions are as far apart as neighbouring photographs, seen from its centre: 4 to 32.
+// The number of directions along s and t of a texture on the sphere, 4 to 32, such that neighbouring
+// directions are half as far apart as neighbouring photographs, seen from its centre. Between
+// photographs, the fit continues what they show at the focus.
 std::uint32_t directions_of(const PhotoSphere& sphere,
                             std::span<const PosedPhotograph> photographs);
 

@@ -80,6 +80,7 @@ TEST_F(FitCli, RefusesCamerasThatDoNotSeeTheMesh) {
     fail(1, "fit transforms.json --mesh cube.obj -o x.tess --lossless --quality 50",
          {"--lossless", "--quality"});
     fail(1, "fit transforms.json --mesh cube.obj -o x.tess --max-error 1.5", {"--max-error"});
+    fail(1, "fit transforms.json --mesh cube.obj -o x.tess --resume", {"--resume"});
     fail(1, "fit transforms.json --mesh cube.obj --surface sphere -o x.tess",
          {"--mesh", "--surface"});
     fail(1, "fit transforms.json --mesh cube.obj --focus 3 -o x.tess", {"--focus", "--surface"});

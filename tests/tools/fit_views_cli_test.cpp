@@ -43,7 +43,7 @@ TEST_F(FitViewsCli, FindsAPaintedSphere) {
     EXPECT_GT(fit["held_out"]["psnr"].get<double>(), 25.0);
     EXPECT_EQ(number_after(fit, "focus at the radius "), 3.5); // the paint is on the sphere
     const Json info = json("info ball.tess --json");
-    EXPECT_EQ(info["description"]["proxy"], "sphere");
+    EXPECT_EQ(info["description"]["proxy"].get<std::string>().rfind("sphere:", 0), 0u);
     // The result draws the photographs' own views.
     succeed("render ball.tess --cameras transforms.json -o drawn --rays 4 -q");
     const Json compared = json("compare transforms.json drawn --json");
@@ -53,7 +53,7 @@ TEST_F(FitViewsCli, FindsAPaintedSphere) {
     const std::string options = "fit transforms.json --surface sphere --directions 2 "
                                 "--texels 4096 --focus 3 --smoothness 1 --no-corrections --json ";
     const Json one = json(options + "--threads 1 -o one.tess");
-    EXPECT_NEAR(number_after(one, "radius "), 3.5, 0.15);
+    EXPECT_NEAR(number_after(one, "radius "), 3.5, 0.26); // a pixel
     json(options + "--threads 3 -o three.tess");
     EXPECT_EQ(slurp(at("one.tess")), slurp(at("three.tess")));
     const Json masked = json(options + "--unseen dont-care -o masked.tess");
@@ -68,12 +68,12 @@ void write_views(const fs::path& folder) {
             std::string file = "P6\n32 24\n255\n";
             for (int j = 0; j < 24; ++j)
                 for (int i = 0; i < 32; ++i) {
-                    const double x = i - 2 * s, y = j + 2 * t;
+                    const double x = i - 2 * s, y = j - 2 * t;
                     for (const double phase : {0.0, 1.0, 2.0})
                         file += static_cast<char>(std::lround(128 + 60 * std::sin(0.9 * x + phase) *
                                                                         std::cos(0.7 * y - phase)));
                 }
-            spit(folder / ("v_" + std::to_string(t) + std::to_string(s) + ".ppm"), file);
+            spit(folder / ("r" + std::to_string(t) + "c" + std::to_string(s) + ".ppm"), file);
         }
 }
 

@@ -120,8 +120,9 @@ Result<CodedLayers> encode_with_psnr(const corpus::ModelLayers& baked, const Enc
     double low = least_quality, high = most_quality;
     TESSERA_TRY_ASSIGN(CodedLayers best, encode_at(baked, options, {high}));
     if (best.sum_psnr < psnr) {
-        if (options.lossless_fallback)
-            return encode_at(baked, options, {0, 0.0});
+        TESSERA_TRY_ASSIGN(CodedLayers lossless, encode_at(baked, options, {0, 0.0}));
+        if (options.lossless_fallback || lossless.file.size() < best.file.size())
+            return lossless;
         return Status(ErrorCode::target_missed,
                       "the layers have at most " + format_number(best.sum_psnr, 2) + " dB, not " +
                           format_number(psnr, 2) + "; --lossless-fallback writes a lossless file");

@@ -39,8 +39,8 @@ struct LayerRate {
 LayerRate rate_of_layers(const EncodeArguments& arguments);
 
 // Encodes with the best quality that keeps to `most_bytes` or `most_bits`, or the least one that
-// reaches `least_psnr`. If no quality reaches that, the layers are lossless if options.lossless_fallback
-// is set. `options` are those of all layers: effort, threads, metadata, mesh. Errors: bad_argument (even
+// reaches `least_psnr`. If no quality reaches that, the layers are lossless if that is smaller than the
+// best quality, or if options.lossless_fallback is set. `options` are those of all layers: effort, threads, metadata, mesh. Errors: bad_argument (even
 // the worst quality takes more bytes); target_missed; those of encode_memory().
 Result<CodedLayers> encode_layers(const corpus::ModelLayers& baked, const EncodeOptions& options,
                                   const LayerRate& rate);
