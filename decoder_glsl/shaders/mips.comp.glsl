@@ -14,7 +14,7 @@ layout(rgba16f, TSR_IMAGE(0)) writeonly uniform highp image2DArray tsr_to;
 #else
 layout(rgba8, TSR_IMAGE(0)) writeonly uniform highp image2DArray tsr_to;
 #endif
-layout(TSR_TEXTURE(0)) uniform highp texture2DArray tsr_from;
+layout(TSR_TEXTURE(1)) uniform highp texture2DArray tsr_from;
 #elif defined(TSR_OUTPUT_HALF)
 layout(rgba16ui, TSR_IMAGE(0)) writeonly uniform highp uimage2DArray tsr_to;
 layout(rgba16ui, TSR_IMAGE(1)) readonly uniform highp uimage2DArray tsr_from;

@@ -1,6 +1,7 @@
 #include "decoder_glsl/shader_source.h"
 
 #include "decoder_glsl/shaders/shader_files.h"
+#include "decoder_glsl/shaders/translated_shaders.h"
 
 #include <algorithm>
 #include <optional>
@@ -15,7 +16,7 @@ std::string dialect_head(ShaderDialect dialect) {
         return "#version 450 core\n#define TSR_GL450 1\n";
     case ShaderDialect::vulkan:
         return "#version 450\n#define TSR_VULKAN 1\n";
-    case ShaderDialect::es310:
+    default:
         break;
     }
     std::string head = "#version 310 es\n#define TSR_ES310 1\n";
@@ -163,10 +164,14 @@ Result<std::string> shader_source(std::span<const ShaderFile> files, std::string
 
 Result<std::string> shader_source(std::string_view name, ShaderDialect dialect,
                                   std::span<const ShaderDefine> defines) {
+    if (is_translated(dialect))
+        return translated_shader(name, dialect, defines);
     return shader_source(shader_files(), name, dialect, defines);
 }
 
-std::vector<std::string_view> shader_names() {
+std::vector<std::string_view> shader_names(ShaderDialect dialect) {
+    if (is_translated(dialect))
+        return translated_names(dialect);
     std::vector<std::string_view> names;
     for (const ShaderFile& file : shader_files())
         if (file.name.ends_with(".comp.glsl") || file.name.ends_with(".frag.glsl") ||

@@ -5,13 +5,17 @@
 #include "decoder_glsl/shaders/shader_log.h"
 #include "tests/support/shader_programs.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tessera::test {
@@ -131,6 +135,84 @@ TEST(ShaderSource, RefusesDefinesThatAreNotValidGlsl) {
         EXPECT_FALSE(error_of(files, "a.glsl", defines).empty());
 }
 
+const ShaderDialect all_translated[] = {ShaderDialect::hlsl, ShaderDialect::msl,
+                                        ShaderDialect::wgsl};
+
+bool contains(std::span<const std::string_view> words, std::string_view word) {
+    return std::ranges::find(words, word) != words.end();
+}
+
+TEST(TranslatedShaders, HoldSamplerDecoderAndLayers) {
+    for (const ShaderDialect dialect : all_translated) {
+        const auto names = shader_names(dialect);
+        for (const char* name :
+             {"tree.comp.glsl", "levels.comp.glsl", "corrections.comp.glsl", "order.comp.glsl",
+              "items.comp.glsl", "groups.comp.glsl", "texels.comp.glsl", "border.comp.glsl",
+              "filter.comp.glsl", "mips.comp.glsl", "coarse.comp.glsl", "sample.glsl",
+              "mesh.vert.glsl", "mesh.frag.glsl", "layered_mesh.frag.glsl"}) {
+            EXPECT_TRUE(contains(names, name)) << name;
+            const auto source = shader_source(name, dialect);
+            ASSERT_TRUE(source) << source.status().message();
+            EXPECT_TRUE(source->starts_with(std::string("// ") + name + ", source ")) << name;
+        }
+        EXPECT_FALSE(contains(names, "render.comp.glsl"));
+    }
+}
+
+TEST(TranslatedShaders, SamplerIsCallableByItsName) {
+    const auto sampler = [](ShaderDialect dialect) {
+        const auto source = shader_source("sample.glsl", dialect);
+        return source ? *source : source.status().message();
+    };
+    EXPECT_EQ(count(sampler(ShaderDialect::hlsl),
+                    "float4 tessera_sample(float3 from_centre, float3 direction)\n"),
+              1u);
+    EXPECT_EQ(count(sampler(ShaderDialect::msl),
+                    "float4 tessera_sample(thread const float3& from_centre, "
+                    "thread const float3& direction, "),
+              1u);
+    EXPECT_EQ(count(sampler(ShaderDialect::wgsl),
+                    "fn tessera_sample(from_centre : vec3<f32>, direction : vec3<f32>) -> "
+                    "vec4<f32> {\n"),
+              1u);
+    for (const ShaderDialect dialect : all_translated) {
+        EXPECT_NE(sampler(dialect).find(" tessera_sample_surface("), std::string::npos);
+        EXPECT_EQ(sampler(dialect).find("main"), std::string::npos) << "it has no entry point";
+    }
+}
+
+TEST(TranslatedShaders, MacrosChooseTheTranslation) {
+    const ShaderDefine cache[] = {{"TESSERA_RESIDENT_CACHE", "1"}};
+    const ShaderDefine half[] = {{"TSR_OUTPUT_HALF", "1"}};
+    for (const ShaderDialect dialect : all_translated) {
+        const auto plain = shader_source("sample.glsl", dialect);
+        const auto cached = shader_source("sample.glsl", dialect, cache);
+        ASSERT_TRUE(plain && cached);
+        EXPECT_EQ(count(*plain, "tessera_marks"), 0u);
+        EXPECT_GT(count(*cached, "tessera_marks"), 0u);
+        const auto halves = shader_source("sample.glsl", dialect, half);
+        ASSERT_TRUE(halves);
+        EXPECT_EQ(*halves, *plain) << "the macro does not concern this shader";
+    }
+    EXPECT_GT(count(*shader_source("texels.comp.glsl", ShaderDialect::wgsl), "rgba8unorm"), 0u);
+    EXPECT_GT(count(*shader_source("texels.comp.glsl", ShaderDialect::wgsl, half), "rgba16float"),
+              0u);
+}
+
+TEST(TranslatedShaders, RefuseWhatIsNotTranslated) {
+    const ShaderDefine moved[] = {{"TESSERA_UNIT_TEXELS", "3"}};
+    const auto refused = shader_source("sample.glsl", ShaderDialect::hlsl, moved);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.status().code(), ErrorCode::bad_argument);
+    EXPECT_EQ(refused.status().message(),
+              "the shaders in hlsl have no macro 'TESSERA_UNIT_TEXELS', only "
+              "TESSERA_COVERAGE_ONLY, TESSERA_HARDWARE_FILTER, TESSERA_RESIDENT_CACHE, "
+              "TSR_OUTPUT_HALF, TSR_PREDICTED_TILES");
+    const auto program = shader_source("render.comp.glsl", ShaderDialect::wgsl);
+    ASSERT_FALSE(program);
+    EXPECT_EQ(program.status().message(), "no shader 'render.comp.glsl' in wgsl");
+}
+
 TEST(Shaders, AreEmbedded) {
     EXPECT_FALSE(shader_programs().empty()) << "no *.comp.glsl, *.vert.glsl or *.frag.glsl";
 }
@@ -215,7 +297,72 @@ TEST(Shaders, EveryProgramIsValidGlslInEveryDialect) {
 #endif
 }
 
+// The identifiers of a shader file outside comments and preprocessor lines.
+std::set<std::string> identifiers(std::string_view text) {
+    std::set<std::string> words;
+    for (std::size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
+        end = std::min(text.find('\n'), text.size());
+        std::string_view line = text.substr(0, end);
+        line = line.substr(0, line.find("//"));
+        if (line.starts_with('#'))
+            continue;
+        std::string word;
+        for (const char c : std::string(line) + ' ') {
+            if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_')
+                word += c;
+            else if (!word.empty())
+                words.insert(std::exchange(word, {}));
+        }
+    }
+    return words;
+}
+
+// Translators would rename them, and hosts could not find the names.
+TEST(Shaders, HaveNoNamesThatOtherLanguagesReserve) {
+    const char* const reserved[] = {
+        "NULL",     "Self",       "abstract",  "active",  "as",       "asm",     "async",
+        "auto",     "class",      "common",    "compile", "crate",    "delete",  "demote",
+        "device",   "enum",       "export",    "extern",  "filter",   "final",   "fn",
+        "friend",   "from",       "get",       "goto",    "half",     "impl",    "import",
+        "inline",   "instanceof", "interface", "kernel",  "let",      "line",    "linear",
+        "loop",     "macro",      "match",     "matrix",  "meta",     "mod",     "module",
+        "move",     "mut",        "namespace", "new",     "nil",      "noise",   "of",
+        "operator", "override",   "package",   "partial", "pass",     "patch",   "point",
+        "priv",     "ptr",        "pub",       "ref",     "register", "require", "resource",
+        "sample",   "self",       "set",       "snorm",   "static",   "string",  "super",
+        "target",   "technique",  "template",  "texture", "this",     "thread",  "throw",
+        "trait",    "triangle",   "type",      "union",   "unless",   "unorm",   "use",
+        "using",    "var",        "vector",    "vertex",  "virtual",  "where",   "with",
+        "yield"};
+    for (const ShaderFile& file : shader_files()) {
+        const auto words = identifiers(file.text);
+        for (const char* word : reserved)
+            EXPECT_FALSE(words.contains(word)) << file.name << ": " << word;
+    }
+}
+
 #ifdef TESSERA_GLSLANG
+// OpenGL ES and the translated dialects keep a list of textures, which no variable indexes.
+TEST(Shaders, DrawLayersWithoutArraysOfTextures) {
+    std::vector<ShaderDefine> defines = {{"TESSERA_TEXTURES", "11"}, {"TESSERA_LIGHTS", "5"}};
+    int number = 0;
+    for (const char* role :
+         {"EMISSION", "SPECULAR", "ROUGHNESS", "NORMAL", "VISIBILITY", "REFLECTION", "COVERAGE",
+          "ENVIRONMENT", "DIFFERENCE", "SHARED_DIFFERENCE"})
+        defines.emplace_back(std::string("TESSERA_LAYER_") + role, std::to_string(++number));
+    const auto es = shader_source("layered_mesh.frag.glsl", ShaderDialect::es310, defines);
+    ASSERT_TRUE(es);
+    EXPECT_EQ(refusal({{*es, "frag"}}, ShaderDialect::es310).value_or(""), "");
+    const ShaderDefine translated[] = {{"TSR_TRANSLATED", "1"}};
+    for (const char* name : {"layered_mesh.frag", "mips.comp", "border.comp", "texels.comp"}) {
+        const auto source =
+            shader_source(std::string(name) + ".glsl", ShaderDialect::vulkan, translated);
+        ASSERT_TRUE(source);
+        const std::string stage = std::string(name).substr(std::string(name).find('.') + 1);
+        EXPECT_EQ(refusal({{*source, stage}}, ShaderDialect::vulkan).value_or(""), "") << name;
+    }
+}
+
 TEST(Shaders, ValidatorDetectsErrors) {
     const ShaderFile files[] = {
         {"bad.comp.glsl",

@@ -59,7 +59,8 @@ TEST_F(CliUsage, UnknownValuesSuggestTheNearest) {
           "rd compsed -o report", "rd --views compsed -o report", "compare a.tess --bake compsed"})
         fail(1, scene, {"compsed", "; did you mean composed?"});
     fail(1, "shaders -o x --dialect vulcan",
-         {"--dialect: 'vulcan' is not one of: gl450, es310, vulkan; did you mean vulkan?"});
+         {"--dialect: 'vulcan' is not one of: glsl, es, vulkan, hlsl, msl, wgsl; "
+          "did you mean vulkan?"});
     fail(1, "render a.tess -o x.png --via lod", {"--via", "; did you mean load?"});
     fail(1, "rd a.tess -o report --rivals x266", {"'x266'", "; did you mean x265"});
     fail(1, usage_scene + "-o x.tess --transfer srbg", {"--transfer: ", "; did you mean srgb?"});
