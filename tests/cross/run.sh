@@ -77,23 +77,7 @@ echo "$arch: $(wc -l < "$folder/made.txt") results equal those of the native bui
 [ -z "$filter" ] || for tests in format_tests codec_tests; do
     "${run[@]}" "$folder/bin/$tests$program" --gtest_brief=1 --gtest_filter="$filter"
 done
-if [ "$arch" = windows ]; then # the DLL, by C programs that link its import library
-    link() { # NAME SOURCE
-        x86_64-w64-mingw32-gcc-posix -std=c99 -DTESSERA_SHARED -I "$folder/include" "$2" -o "$folder/bin/$1.exe" \
-            "$folder/codec/libtessera.dll.a"
-    }
-    link consumer_c tests/consumers/c/main.c
-    link killed_encode tests/cross/killed_encode.c
-    rm -rf "$folder/encoded" && mkdir "$folder/encoded" && cd "$folder/encoded"
-    "${run[@]}" ../bin/c_api_test.exe c_api_test.tess
-    "${run[@]}" ../bin/consumer_c.exe gradient.tess
-    "${run[@]}" ../bin/killed_encode.exe 0
-    mv größe*.tess whole.tess
-    "${run[@]}" ../bin/killed_encode.exe 25 || [ $? = 9 ]
-    [ ! -e größe*.tess ] && [ -e größe*.journal/pass-1 ] # killed with tiles
-    "${run[@]}" ../bin/killed_encode.exe 0
-    cmp größe*.tess whole.tess
-    [ ! -e größe*.journal ]
-    cd ../..
+if [ "$arch" = windows ]; then
+    tests/cross/windows_dll.sh "$folder"
     tests/cross/windows_zip.sh "$folder"
 fi
