@@ -8,7 +8,7 @@ PACKAGES="g++ cmake ninja-build pkg-config libglm-dev libzstd-dev libdraco-dev l
 libpng-dev libjpeg62-turbo-dev libwebp-dev libtiff-dev libopenexr-dev libembree-dev libtinygltf-dev libmeshoptimizer-dev libstb-dev libgtest-dev libepoxy-dev
 libegl-dev libegl1 libgl1-mesa-dri glslang-tools libcurl4-openssl-dev libcpp-httplib-dev ca-certificates
 clang-format python3 nodejs clang-19 lld-19 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32 libclang-rt-19-dev-wasm32
-wasi-libc"
+wasi-libc zopfli"
 
 say() { printf '\n== %s\n' "$*"; }
 stop() {

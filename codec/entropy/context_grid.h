@@ -26,30 +26,20 @@ constexpr std::uint32_t amplitude_of_level(std::int32_t level, bool dependent) {
     return static_cast<std::uint32_t>(std::abs(level)) << (dependent ? 0 : 1);
 }
 
-// neighbour_class() looks up the mean here without a comparison, for which parsing would wait. The
-// mean of amplitudes, in 1/8, is at most 8 * amplitudes.back().
-inline constexpr auto neighbour_codes = [] {
-    std::array<std::uint8_t, 8 * amplitudes.back() + 1> codes{};
-    for (std::uint32_t x = 0; x < codes.size(); ++x)
-        codes[x] = static_cast<std::uint8_t>(amplitude_code(x));
-    return codes;
-}();
-
 // The cells of a grid. Loops use a copy, whose members stay in registers. A copy is valid until the
 // grid's next begin(). All marks must be undone before that, one by one or by clearing all cells.
 class ContextCells {
 public:
     int neighbours(const ScanContext& at) const {
-        return neighbour_codes[((cell_[at.place] & sum_mask) * at.share) >> 9];
+        return neighbour_class(cell_[at.place] & sum_mask, at.share);
     }
     int cross(const ScanContext& at) const {
         return cross_classes_of_codes[cell_[at.place] >> sum_bits];
     }
 
     // Marks a coefficient of this amplitude. Neighbours along an axis get it twice; diagonal ones
-    // in the planes (u,s) and (v,t) and forward ones in (u,v) and (s,t) get it once. `flat` is
-    // is_flat(), for loops that are compiled for either case.
-    template <bool flat> void mark(const ScanContext& at, std::uint32_t amplitude) const {
+    // in the planes (u,s) and (v,t) and forward ones in (u,v) and (s,t) get it once.
+    void mark(const ScanContext& at, std::uint32_t amplitude) const {
         const auto once = static_cast<std::uint16_t>(amplitude_of(amplitude_code(amplitude)));
         const auto twice = static_cast<std::uint16_t>(2 * once);
         std::uint16_t* cell = cell_ + at.place;
@@ -60,20 +50,13 @@ public:
         add(u, twice);
         add(v, twice);
         add(u + v, once);
-        if (flat)
+        if (is_flat_)
             return;
         add(s, twice);
         add(t, twice);
         for (const int diagonal : {u + s, u - s, s - u, v + t, v - t, t - v, s + t})
             add(diagonal, once);
     }
-    void mark(const ScanContext& at, std::uint32_t amplitude) const {
-        if (is_flat_)
-            mark<true>(at, amplitude);
-        else
-            mark<false>(at, amplitude);
-    }
-    bool is_flat() const { return is_flat_; } // whether the block has one view
     // Marks a coefficient of this amplitude in an earlier plane.
     void mark_cross(const ScanContext& at, std::uint32_t amplitude) const {
         std::uint16_t& cell = cell_[at.place];

@@ -181,7 +181,10 @@ private:
         for_each_before([&](const NonZero& nz) {
             grid_.mark_cross(order.context[nz.index], amplitude_of_level(nz.level, dependent));
         });
-        const auto decode = decoders[dependent][plane_class(plane)][grid_.is_flat()];
+        const auto decode = plane == 0  ? dependent ? &LevelDecoder::decode_coefficients<true, 0>
+                                                    : &LevelDecoder::decode_coefficients<false, 0>
+                             : dependent ? &LevelDecoder::decode_coefficients<true, 1>
+                                        : &LevelDecoder::decode_coefficients<false, 1>;
         const bool is_well = (this->*decode)(length, copies, order);
         const auto found = std::span(found_.get(), count_);
         grid_.undo(order, length, found, for_each_before);
@@ -190,10 +193,10 @@ private:
         return is_well;
     }
 
-    // Decodes `length` coefficients of a block, which has one view if it is `flat`. The first
-    // count_ entries of found_ get those that are not zero. False if a level is out of range.
-    // Parsing spends nearly all its time here, so the loop keeps what it needs in local variables.
-    template <bool dependent, int p_class, bool flat>
+    // Decodes `length` coefficients. The first count_ entries of found_ get those that are not
+    // zero. False if a level is out of range. Parsing spends nearly all its time on zeros, so the
+    // loop keeps what they need in local variables.
+    template <bool dependent, int p_class>
     [[gnu::noinline]] bool decode_coefficients(int length, bool copies, const ScanOrder& order) {
         constexpr unsigned by_cross =
             zero_parameter(false, 0, 1, 0, 0, 1) - zero_parameter(false, 0, 1, 0, 0, 0);
@@ -230,25 +233,13 @@ private:
             }
             const bool negative = rans.raw(1) != 0;
             found_[count++] = {static_cast<std::uint16_t>(i), negative ? -level : level};
-            cells.mark<flat>(context, amplitude_of_level(level, dependent));
+            cells.mark(context, amplitude_of_level(level, dependent));
             state = dependent ? next_state[state][magnitude & 1] : 0;
         }
         rans_ = rans;
         count_ = count;
         return is_well;
     }
-
-    using DecodeCoefficients = bool (LevelDecoder::*)(int, bool, const ScanOrder&);
-    // decode_coefficients() [with dependent quantisation][of the plane class][of one view]
-    static constexpr DecodeCoefficients decoders[2][plane_classes][2] = {
-        {{&LevelDecoder::decode_coefficients<false, 0, false>,
-          &LevelDecoder::decode_coefficients<false, 0, true>},
-         {&LevelDecoder::decode_coefficients<false, 1, false>,
-          &LevelDecoder::decode_coefficients<false, 1, true>}},
-        {{&LevelDecoder::decode_coefficients<true, 0, false>,
-          &LevelDecoder::decode_coefficients<true, 0, true>},
-         {&LevelDecoder::decode_coefficients<true, 1, false>,
-          &LevelDecoder::decode_coefficients<true, 1, true>}}};
 
     const TileCoding& coding_;
     ContextGrid& grid_;

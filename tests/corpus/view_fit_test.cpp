@@ -3,6 +3,7 @@
 #include "corpus/fit/view_surfaces.h"
 #include "format/sampler.h"
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
@@ -135,10 +136,10 @@ TEST(ViewField, LinksDirectionsThatShowTheSamePlaceOfTheFocus) {
             sphere_normal(static_cast<double>(centre.u), static_cast<double>(centre.v));
         const glm::dvec3 d(direction_at(centre.s, centre.t));
         const double c = glm::dot(n, d);
-        return n - (c - std::sqrt(c * c - 1 + focus * focus)) * d;
+        return n - (c - std::sqrt(std::max(c * c - 1 + focus * focus, 0.0))) * d;
     };
     const std::size_t place = 14 * 64 + 20;
-    for (const std::size_t direction : {6 * 12 + 6, 5 * 12 + 7, 7 * 12 + 5}) {
+    for (const std::size_t direction : {6 * 12 + 6, 5 * 12 + 5, 6 * 12 + 5}) {
         const std::size_t texel = place * 144 + direction;
         for (const std::uint32_t next : field.next_directions[texel]) {
             EXPECT_NE(next / 144, place);

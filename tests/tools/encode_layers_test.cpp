@@ -36,8 +36,9 @@ corpus::ModelLayers fitted_square() {
     return layers;
 }
 
-EncodeOptions quick() {
+EncodeOptions quick(const corpus::ModelLayers& layers) {
     EncodeOptions options;
+    options.mesh = layers.mesh;
     options.effort = 1;
     options.threads = 1;
     return options;
@@ -45,7 +46,7 @@ EncodeOptions quick() {
 
 CodedLayers coded_at(const LayerRate& rate) {
     const corpus::ModelLayers layers = fitted_square();
-    auto coded = encode_layers(layers, quick(), rate);
+    auto coded = encode_layers(layers, quick(layers), rate);
     EXPECT_TRUE(coded.ok()) << coded.status().message();
     for (CodedLayer& layer : coded->layers)
         layer.texture = nullptr; // `layers` ends here
@@ -62,12 +63,12 @@ TEST(EncodeLayers, ReachesAPsnrOfTheirSumWithFewBytes) {
     EXPECT_NEAR(coded.sum_psnr, -10 * std::log10(first + second), 1e-6);
     EXPECT_LT(coded.file.size(), coded_at({.least_psnr = 46}).file.size());
     const corpus::ModelLayers layers = fitted_square();
-    const auto missed = encode_layers(layers, quick(), {.least_psnr = 80});
+    const auto missed = encode_layers(layers, quick(layers), {.least_psnr = 80});
     if (missed.ok()) // lossless layers are smaller than those of the best quality
         EXPECT_EQ(missed->sum_psnr, lossless_psnr);
     else
         EXPECT_EQ(missed.status().code(), ErrorCode::target_missed);
-    EncodeOptions fallback = quick();
+    EncodeOptions fallback = quick(layers);
     fallback.lossless_fallback = true;
     const auto lossless = encode_layers(layers, fallback, {.least_psnr = 80});
     ASSERT_TRUE(lossless.ok());
@@ -84,7 +85,7 @@ TEST(EncodeLayers, KeepsToBitsAndErrors) {
     EXPECT_FALSE(near.quality.has_value());
     EXPECT_GT(near.layers[0].psnr, 20 * std::log10(255.0 / 3));
     const corpus::ModelLayers layers = fitted_square();
-    const Status small = encode_layers(layers, quick(), {.most_bits = 0.1}).status();
+    const Status small = encode_layers(layers, quick(layers), {.most_bits = 0.1}).status();
     EXPECT_NE(small.message().find("--target-bpt 0.1"), std::string::npos) << small.message();
 }
 

@@ -1,7 +1,7 @@
 # Compiles for wasm32-wasi with Debian's clang-19, in custom commands, because CMake's own targets are built for this
 # machine.
 set(tessera_wasm_packages clang-19 lld-19 libc++-19-dev-wasm32 libc++abi-19-dev-wasm32
-    libclang-rt-19-dev-wasm32 wasi-libc)
+    libclang-rt-19-dev-wasm32 wasi-libc zopfli)
 
 # Sets `variable` to TRUE if compiler, linker, libc++ and the C library for wasm32-wasi are installed. Success is
 # cached until the compiler changes.
