@@ -20,7 +20,7 @@ set(sees_tools tools codec corpus decoder_glsl format)
 
 set(folders_format tables io tile surface container)
 set(folders_codec kernels search_kernels tile texels entropy reconstruct decode tile_encoder journal fit pass trials encode compare c_api)
-set(folders_decoder_glsl shaders dialects batch cache gl residency draw)
+set(folders_decoder_glsl shaders batch cache gl residency draw)
 set(folders_corpus picture surface model photographs trace model_surface layers fit)
 set(folders_tools support http picture texture_io scenes view gltf web server page verbs lab)
 set(built_on_insides codec decoder_glsl) # may include internal headers of format

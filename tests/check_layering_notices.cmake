@@ -12,7 +12,7 @@ set(expected
     "tools/verbs/sees_tile.cpp: codec/tile/tile_coding.h is internal to codec"
     "tools/support/sees_verbs.cpp: its folder comes before that of tools/verbs/command.h"
     "tools/verbs/sees_lab.cpp: its folder comes before that of tools/lab/rd/plot.h"
-    "decoder_glsl/README.md lists the folders batch shaders, but their order is shaders dialects batch cache gl residency draw"
+    "decoder_glsl/README.md lists the folders batch shaders, but their order is shaders batch cache gl residency draw"
     "3 public headers, at most 2 are wanted")
 execute_process(COMMAND ${CMAKE_COMMAND} -DROOT=${FOLDER}/fixtures/layering -Dmost_public_headers=2
                         -P ${FOLDER}/check_layering.cmake
