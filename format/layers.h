@@ -31,7 +31,7 @@ enum class LayerRole : std::uint8_t {
     environment = 8,        // distant light from mirrored directions, in lobes of roughness along u
     difference = 9,         // what display values change by, by the mirrored direction
     shared_difference = 10, // the same of all places, with more directions
-    opacity = 11,           // the share of what lies behind that is not seen
+    opacity = 11,           // how much it hides of what lies behind
 };
 template <>
 inline constexpr std::array<const char*, 12> value_names<LayerRole>{

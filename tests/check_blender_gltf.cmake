@@ -1,12 +1,6 @@
 # Shows a .glb with a Tessera texture in Blender with tools/scripts/blender_gltf.py. The picture of the file must be seen.
 #   cmake -DROOT=. -DTESSERA=tessera -DBLENDER=blender -DOUT=folder -P check_blender_gltf.cmake
-function(run)
-    execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE said ERROR_VARIABLE said RESULT_VARIABLE code)
-    if(NOT code EQUAL 0)
-        message(FATAL_ERROR "${ARGN}: ${code}\n${said}")
-    endif()
-    set(said "${said}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run_program.cmake)
 
 file(REMOVE_RECURSE ${OUT})
 file(MAKE_DIRECTORY ${OUT})

@@ -1,13 +1,7 @@
 # Renders Blender's default cube with tools/scripts/blender_views.py, as planar views, as a sphere and
 # as photographs. Encodes the first two, and reads the third with their cameras.
 #   cmake -DROOT=. -DTESSERA=tessera -DBLENDER=blender -DOUT=folder -P check_blender_views.cmake
-function(run)
-    execute_process(COMMAND ${ARGN} OUTPUT_VARIABLE said ERROR_VARIABLE said RESULT_VARIABLE code)
-    if(NOT code EQUAL 0)
-        message(FATAL_ERROR "${ARGN}: ${code}\n${said}")
-    endif()
-    set(said "${said}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run_program.cmake)
 
 function(render)
     run(${BLENDER} -b --factory-startup --python-exit-code 1

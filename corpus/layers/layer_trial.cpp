@@ -40,7 +40,7 @@ glm::dvec3 sharp_reflection(const Tracer& tracer, const LitPoint& point, const g
         return glm::dvec3(0.0);
     const double rest = 2.0 * nl * (nv + smith_root(alpha, nv)) * smith_visibility(alpha, nl, nv);
     return sharp * rest * fresnel(point.lobes, glm::dot(view, glm::normalize(l + view))) *
-           tracer.from(point, l, false, random);
+           tracer.from_model(point, l, random);
 }
 
 glm::dvec3 lamp_highlights(const Tracer& tracer, const LitPoint& point, const glm::dvec3& view) {

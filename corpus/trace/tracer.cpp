@@ -276,11 +276,11 @@ bool Tracer::is_shadowed(const LitPoint& point, const glm::dvec3& direction, dou
     return largest_channel(unblocked(point, direction, reach)) < half;
 }
 
-glm::dvec3 Tracer::from(const LitPoint& point, const glm::dvec3& direction, bool distant,
-                        PathRandom& random) const {
+glm::dvec3 Tracer::from_model(const LitPoint& point, const glm::dvec3& direction,
+                              PathRandom& random) const {
     const glm::dvec3 start = start_of(point);
     const Hit hit = next_hit(start, direction, random);
-    if (!hit && !distant)
+    if (!hit)
         return glm::dvec3(0.0);
     return arriving(start, direction, hit, infinite, 1.0, random);
 }

@@ -76,10 +76,10 @@ public:
     // reaches the point directly.
     glm::dvec3 specular_of_model(const LitPoint& point, const glm::dvec3& view,
                                  PathRandom& random) const;
-    // The light that reaches the point from this direction, which is a unit vector above the face:
-    // from the model and, if `distant`, from the environment.
-    glm::dvec3 from(const LitPoint& point, const glm::dvec3& direction, bool distant,
-                    PathRandom& random) const;
+    // The light of the model that reaches the point from this direction, which is a unit vector above
+    // the face.
+    glm::dvec3 from_model(const LitPoint& point, const glm::dvec3& direction,
+                          PathRandom& random) const;
     // Light from behind the surface that leaves along `view`, if the material lets light pass or
     // blends.
     glm::dvec3 transmitted(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;

@@ -6,7 +6,7 @@
 #include "tools/gltf/mean_picture.h"
 #include "tools/http/glb_payload.h"
 #include "tools/picture/picture_encoders.h"
-#include "tools/support/interrupt.h"
+#include "tools/support/copy_bytes.h"
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/texture_io/texture_io.h"
@@ -25,7 +25,6 @@ constexpr int array_buffer = 34962, element_array_buffer = 34963, type_float = 5
               type_u16 = 5123, type_u32 = 5125, linear_filter = 9729, linear_mipmaps = 9987,
               clamp_to_edge = 33071;
 constexpr std::uint64_t most_glb_bytes = 0xFFFFFFFF;
-constexpr std::size_t copied_at_once = 1 << 20;
 
 void append_word(std::vector<std::byte>& out, std::uint32_t word) {
     for (int shift = 0; shift < 32; shift += 8)
@@ -104,17 +103,6 @@ public:
     Json json;
 
 private:
-    static Status copy_bytes(ByteSource& from, OutputFile& to) {
-        std::vector<std::byte> piece;
-        for (std::uint64_t at = 0; at < from.size(); at += piece.size()) {
-            TESSERA_TRY(check_interrupt());
-            piece.resize(std::min<std::uint64_t>(copied_at_once, from.size() - at));
-            TESSERA_TRY(from.read(at, piece));
-            TESSERA_TRY(to.append(piece));
-        }
-        return {};
-    }
-
     Json views_ = Json::array();
     std::vector<std::byte> chunk_;
 };

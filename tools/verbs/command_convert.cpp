@@ -1,6 +1,6 @@
 #include "format/container_reader.h"
 #include "format/output_file.h"
-#include "tools/support/interrupt.h"
+#include "tools/support/copy_bytes.h"
 #include "tools/support/json_text.h"
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
@@ -10,7 +10,6 @@
 #include "tools/verbs/command.h"
 #include "tools/verbs/glb_output.h"
 
-#include <algorithm>
 #include <cstdio>
 
 namespace tessera {
@@ -23,21 +22,13 @@ struct ConvertCommand {
     bool json = false;
 };
 
-constexpr std::size_t converted_at_once = 1 << 20; // bytes
-
 // Writes the bytes of the .tess file as they are.
 Status extract_tess(const ConvertCommand& a) {
     TESSERA_TRY_ASSIGN(const auto from, open_tess_bytes(a.input, "convert"));
     TESSERA_TRY(ContainerReader::open(*from).status()); // refuses what is not a complete file
     TESSERA_TRY(make_parent_folders(a.output));
     TESSERA_TRY_ASSIGN(OutputFile file, OutputFile::create(a.output));
-    std::vector<std::byte> piece;
-    for (std::uint64_t at = 0; at < from->size(); at += piece.size()) {
-        TESSERA_TRY(check_interrupt());
-        piece.resize(std::min<std::uint64_t>(converted_at_once, from->size() - at));
-        TESSERA_TRY(from->read(at, piece));
-        TESSERA_TRY(file.append(piece));
-    }
+    TESSERA_TRY(copy_bytes(*from, file));
     TESSERA_TRY(file.commit());
     if (a.json)
         print_json({{"output", a.output}, {"bytes", from->size()}});
@@ -87,8 +78,8 @@ void add_convert_command(CLI::App& app, Invocation& chosen) {
     add_verb<ConvertCommand>(
         app, chosen, "convert", "Turn a .tess into a glTF file, and back",
         "A .glb holds the mesh, a picture of its texture, and the .tess. Every viewer of glTF "
-        "shows "
-        "the picture, without gloss: the mean over all directions. With a plugin, three.js and "
+        "shows the picture, without gloss: the mean over all directions. With a plugin, three.js "
+        "and "
         "Babylon.js show the texture itself. All verbs that read a .tess read such a .glb.\n\n"
         "Examples:\n"
         "  tessera convert bunny.tess -o bunny.glb\n"
