@@ -1,8 +1,10 @@
 #include "corpus/layers/distant_lights.h"
 
+#include <algorithm>
 #include <cmath>
 #include <list>
 #include <numbers>
+#include <span>
 
 namespace tessera::corpus {
 namespace {
@@ -97,21 +99,18 @@ void find_split(const Cells& cells, EnvironmentPatch& p) {
     }
 }
 
-DistantLight light_of(const Sum& sum, double exposure) {
+DistantLight light_of(const Sum& sum) {
     const double together = sum.together();
     DistantLight light;
     if (together > 0.0)
         light.direction = glm::vec3(sum.toward / together);
     light.spread = static_cast<float>(
         std::sqrt(std::max(0.0, 1.0 - together / std::max(sum.brightness, 1e-30))));
-    light.irradiance = glm::vec3(sum.light * exposure);
+    light.irradiance = glm::vec3(sum.light);
     return light;
 }
 
-} // namespace
-
-std::vector<DistantLight> distant_lights(const ModelLight& light, unsigned count, double exposure) {
-    const Cells cells = cells_of(*light.environment);
+std::list<EnvironmentPatch> split(const Cells& cells, unsigned count) {
     std::list<EnvironmentPatch> patches{{0, 0, columns, rows, {}}};
     find_split(cells, patches.front());
     while (patches.size() < count) {
@@ -128,20 +127,83 @@ std::vector<DistantLight> distant_lights(const ModelLight& light, unsigned count
         find_split(cells, second);
         patches.insert(std::next(best), second);
     }
-    std::vector<DistantLight> lights;
-    for (const EnvironmentPatch& patch : patches)
-        if (patch.sum.brightness > 0.0)
-            lights.push_back(light_of(patch.sum, exposure));
+    return patches;
+}
+
+// The index of the first sum above x, and how far x is from the sum before to that one.
+std::pair<std::size_t, double> find_sum(std::span<const double> sums, double x) {
+    const auto i =
+        std::min(static_cast<std::size_t>(std::ranges::upper_bound(sums, x) - sums.begin()),
+                 sums.size() - 1);
+    const double before = i == 0 ? 0.0 : sums[i - 1];
+    return {i, std::clamp((x - before) / (sums[i] - before), 0.0, 1.0)};
+}
+
+} // namespace
+
+DistantLights::DistantLights(const ModelLight& light, unsigned count) {
+    const Cells cells = cells_of(*light.environment);
+    for (const EnvironmentPatch& patch : split(cells, count)) {
+        if (!(patch.sum.brightness > 0.0))
+            continue;
+        Part part{light_of(patch.sum), {}, {}};
+        double sum = 0;
+        for (std::uint32_t y = patch.y0; y < patch.y1; ++y) {
+            Row row{y, patch.x0, {}, {}};
+            double bright = 0;
+            for (std::uint32_t x = patch.x0; x < patch.x1; ++x) {
+                const Sum& cell = cells[std::size_t{y} * columns + x];
+                bright += cell.brightness;
+                row.brightness.push_back(bright);
+                row.light.push_back(cell.brightness > 0.0
+                                        ? cell.light * (patch.sum.brightness / cell.brightness)
+                                        : glm::dvec3(0.0));
+            }
+            if (!(bright > 0.0))
+                continue;
+            sum += bright;
+            part.brightness.push_back(sum);
+            part.rows.push_back(std::move(row));
+        }
+        parts_.push_back(std::move(part));
+    }
+    const auto add_sharp = [&](const glm::dvec3& direction, const glm::dvec3& irradiance) {
+        parts_.push_back({{.direction = glm::vec3(direction),
+                           .spread = 0.0f,
+                           .irradiance = glm::vec3(irradiance)},
+                          {},
+                          {}});
+    };
     if (light.sun)
-        lights.push_back({.direction = glm::vec3(light.sun->direction),
-                          .spread = 0.0f,
-                          .irradiance = glm::vec3(light.sun->irradiance * exposure)});
+        add_sharp(light.sun->direction, light.sun->irradiance);
     for (const ModelLamp& lamp : light.lamps)
         if (lamp.kind == ModelLamp::Kind::directional)
-            lights.push_back({.direction = glm::vec3(-lamp.direction),
-                              .spread = 0.0f,
-                              .irradiance = glm::vec3(lamp.strength * exposure)});
+            add_sharp(-lamp.direction, lamp.strength);
+}
+
+std::vector<DistantLight> DistantLights::lights(double exposure) const {
+    std::vector<DistantLight> lights;
+    for (const Part& part : parts_) {
+        lights.push_back(part.light);
+        lights.back().irradiance = glm::vec3(glm::dvec3(part.light.irradiance) * exposure);
+    }
     return lights;
+}
+
+DistantLights::Sample DistantLights::sample(std::size_t number, const glm::dvec2& random) const {
+    const Part& part = parts_[number];
+    if (part.rows.empty())
+        return {glm::dvec3(part.light.direction), glm::dvec3(part.light.irradiance)};
+    const auto [i, along_row] = find_sum(part.brightness, random.y * part.brightness.back());
+    const Row& row = part.rows[i];
+    const auto [x, along] = find_sum(row.brightness, random.x * row.brightness.back());
+    const double top = std::cos(std::numbers::pi * row.y / rows);
+    const double bottom = std::cos(std::numbers::pi * (row.y + 1) / rows);
+    const double up = top + (bottom - top) * along_row;
+    const double flat = std::sqrt(std::max(0.0, 1.0 - up * up));
+    const double round =
+        2.0 * std::numbers::pi * ((static_cast<double>(row.x0 + x) + along) / columns - 0.5);
+    return {{flat * std::cos(round), up, flat * std::sin(round)}, row.light[x]};
 }
 
 } // namespace tessera::corpus

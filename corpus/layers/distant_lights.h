@@ -6,10 +6,40 @@
 
 namespace tessera::corpus {
 
-// At most `count` lights with the total light of the environment. Its picture is split at the place
-// that reduces the lights' spread most, weighted by brightness, until there are enough lights.
-// Neighbouring lights in the list are close to each other. The sun, if there is one, is one more
-// light without spread; so is each directional lamp. `exposure` multiplies all light.
-std::vector<DistantLight> distant_lights(const ModelLight& light, unsigned count, double exposure);
+// The environment, split into parts. Its picture is split at the place that reduces the spread of
+// the parts most, weighted by brightness, until there are enough. Neighbouring parts in the list are
+// close to each other. The sun, if there is one, and each directional lamp are parts without spread.
+// Immutable and thread-safe.
+class DistantLights {
+public:
+    // At most `count` parts of the environment's picture.
+    DistantLights(const ModelLight& light, unsigned count);
+
+    std::size_t count() const { return parts_.size(); }
+    // One for each part, with all of its light. `exposure` multiplies it.
+    std::vector<DistantLight> lights(double exposure) const;
+
+    struct Sample {
+        glm::dvec3 direction{0.0};  // unit
+        glm::dvec3 irradiance{0.0}; // the mean over many samples is that of the part
+    };
+    // Brighter places of the part are sampled more often.
+    Sample sample(std::size_t part, const glm::dvec2& random) const;
+
+private:
+    // Cells of the picture beside each other.
+    struct Row {
+        std::uint32_t y = 0, x0 = 0;
+        std::vector<double> brightness; // sums up to and including each cell
+        std::vector<glm::dvec3> light;  // of each cell, divided by the probability of the cell
+    };
+    struct Part {
+        DistantLight light;
+        std::vector<double> brightness; // sums up to and including each row
+        std::vector<Row> rows;          // none without spread
+    };
+
+    std::vector<Part> parts_;
+};
 
 } // namespace tessera::corpus

@@ -46,7 +46,8 @@ std::optional<Material> material_of(const ModelPlaces& fine, const PlaceLight& l
         const Lobes lobes = without_coats(at.point.lobes);
         const glm::dvec2 texel =
             (glm::dvec2(u + 0.5, v + 0.5) + offset) / static_cast<double>(finer);
-        if (const auto arriving = light.diffuse(texel, at.point.normal)) {
+        const std::size_t chart = fine.texel_places().chart_of(at.on.triangle);
+        if (const auto arriving = light.diffuse(texel, chart, at.point.normal)) {
             sum.diffuse += lobes.diffuse * *arriving;
             ++lit;
         }

@@ -5,6 +5,7 @@
 #include "corpus/layers/light_layers.h"
 #include "corpus/layers/material_layers.h"
 
+#include <bit>
 #include <glm/geometric.hpp>
 
 namespace tessera::corpus {
@@ -48,9 +49,12 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     const double step = options.light_texel;
     layout.density = options.density / step;
     layout.texels = options.texels / (step * step);
+    layout.finer = step;
     layout.tile = {16, 16};
     layout.position_bits = options.position_bits;
-    layout.uv_shift = options.uv_shift;
+    // Exact to a texel of the finest layers. Texels are baked on the decoded mesh, so coarse uv move
+    // none of them to a wrong place.
+    layout.uv_shift = static_cast<unsigned>(std::bit_width(options.light_texel)) - 1;
     TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_layer_atlas(model, layout, options.normal_bits));
     ModelLayers out;
     out.mesh = atlas.stream;
@@ -60,10 +64,13 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     TESSERA_TRY_ASSIGN(const ModelPlaces coarse, ModelPlaces::make(std::move(atlas)));
     TESSERA_TRY_ASSIGN(const ModelPlaces fine, coarse.finer(options.light_texel));
     const Tracer tracer(coarse.model(), light);
+    // Without lights in the file, they still spread the rays evenly over the environment.
+    const DistantLights lights(light,
+                               options.lights > 0 ? options.lights : ModelLayersOptions().lights);
     if (options.lights > 0)
-        out.lights = distant_lights(light, options.lights, options.exposure);
+        out.lights = lights.lights(options.exposure);
     TESSERA_TRY_ASSIGN(const PlaceLight places,
-                       PlaceLight::make(coarse, tracer, out.lights, options.light, options.run));
+                       PlaceLight::make(coarse, tracer, lights, options.light, options.run));
     TESSERA_TRY_ASSIGN(out.layers, bake_material_layers(fine, places, tracer, options.light_texel,
                                                         options.exposure, options.run));
     if (!out.lights.empty()) {

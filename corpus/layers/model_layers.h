@@ -11,16 +11,13 @@ struct ModelLayersOptions {
     double texels = 1'000'000; // of the layers with one direction
     double density = 0;        // texels per world unit; 0: such that the surface has `texels`
     unsigned lights = 16;
-    std::uint32_t light_texel = 4;       // texels along a side of one of the visibility
+    std::uint32_t light_texel = 2;       // texels along a side of one of the visibility
     std::uint32_t reflection_texel = 32; // the same of the reflection
     Texels2 directions{8, 8};            // of the reflection
     unsigned samples = 64;               // paths per texel of the reflection
     PlaceLightOptions light;
     double exposure = 1.0;
     unsigned position_bits = 11;
-    // As in ModelAtlasOptions, for the texels of light. Texels are baked on the decoded mesh, so
-    // coarse uv move none of them to a wrong place.
-    unsigned uv_shift = 2;
     unsigned normal_bits = 6; // if the mesh has normals
     BakeRun run;
 };

@@ -46,32 +46,29 @@ glm::dvec3 convolved(const std::array<glm::vec3, 9>& radiance, const glm::dvec3&
     return sum;
 }
 
-double mean_of(const glm::dvec3& x) {
-    return (x.x + x.y + x.z) / 3.0;
+// Visibility has 8 bits, and a step of it is at least a ray.
+unsigned rays_per_light(const PlaceLightOptions& options, std::size_t lights) {
+    constexpr unsigned least = 8, most = 255;
+    const std::size_t share = options.shadow_samples / std::max(lights, std::size_t{1});
+    return static_cast<unsigned>(std::clamp<std::size_t>(share, least, most));
 }
 
-// A direction of the light's patch, from a normal distribution.
-glm::dvec3 direction_within(const DistantLight& light, const glm::dvec2& random) {
-    const glm::dvec3 d(light.direction);
-    const glm::dvec3 x = any_tangent(d), y = glm::cross(d, x);
-    const double radius = static_cast<double>(light.spread) *
-                          std::sqrt(-2.0 * std::log(std::max(1.0 - random.x, 1e-9)));
-    const double angle = 2.0 * std::numbers::pi * random.y;
-    const double way = std::min(radius, 1.0);
-    return glm::normalize(d + way * (x * std::cos(angle) + y * std::sin(angle)));
+double mean_of(const glm::dvec3& x) {
+    return (x.x + x.y + x.z) / 3.0;
 }
 
 } // namespace
 
 Result<PlaceLight> PlaceLight::make(const ModelPlaces& places, const Tracer& tracer,
-                                    std::span<const DistantLight> lights,
-                                    const PlaceLightOptions& options, const BakeRun& run) {
+                                    const DistantLights& lights, const PlaceLightOptions& options,
+                                    const BakeRun& run) {
     PlaceLight made;
     const std::size_t count = places.texels();
     made.size_ = places.texel_places().size();
-    made.lights_ = lights.size();
+    made.lights_ = lights.count();
     made.matters_.assign(count, 0);
-    made.visibility_.assign(count * lights.size(), 0);
+    made.visibility_.assign(count * lights.count(), 0);
+    made.charts_.assign(count, 0);
     made.diffuse_.resize(count);
     made.harmonics_.resize(count);
     made.smooth_.resize(count);
@@ -85,11 +82,12 @@ Result<PlaceLight> PlaceLight::make(const ModelPlaces& places, const Tracer& tra
     return made;
 }
 
-void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer,
-                      std::span<const DistantLight> lights, const PlaceLightOptions& options,
-                      std::uint32_t u, std::uint32_t v) {
+void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer, const DistantLights& lights,
+                      const PlaceLightOptions& options, std::uint32_t u, std::uint32_t v) {
     const std::size_t at = index(u, v);
-    const glm::dvec3 middle = places.place(u, v, {0.0, 0.0}).frame.ez;
+    const ModelSurfacePlace centre = places.place(u, v, {0.0, 0.0});
+    charts_[at] = static_cast<std::uint32_t>(places.texel_places().chart_of(centre.on.triangle));
+    const glm::dvec3 middle = centre.frame.ez;
     glm::dvec3 lit(0.0);
     std::array<glm::dvec3, 9> sums{};
     const auto add = [&](const glm::dvec3& direction, const glm::dvec3& light) {
@@ -104,16 +102,29 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer,
         PathRandom random(paths, i);
         ModelSurfacePlace place = places.place(u, v, random.next2() - 0.5);
         place.point.normal = place.frame.ez; // the same for all bumps
-        const Tracer::Incoming incoming = tracer.incoming(place.point, random);
+        const Tracer::Incoming incoming = tracer.incoming_of_model(place.point, random);
         if (incoming.density > 0.0)
             add(incoming.direction, incoming.light * (share / incoming.density));
-        if (const auto& sun = tracer.light().sun)
-            add(sun->direction,
-                sun->irradiance * share * tracer.unblocked(place.point, sun->direction));
         for (const ModelLamp& lamp : tracer.light().lamps) {
+            if (lamp.kind == ModelLamp::Kind::directional)
+                continue; // it is one of `lights`
             const LampLight l = lamp_light(lamp, place.point.position);
             add(l.direction,
                 l.irradiance * share * tracer.unblocked(place.point, l.direction, l.distance));
+        }
+    }
+    // The environment's own light needs rays only, so more of them are cheap.
+    const std::uint64_t shadows = mix_bits(options.seed + shadow_paths);
+    std::vector<double> seen(lights.count(), 0.0);
+    const unsigned rays = rays_per_light(options, lights.count());
+    for (unsigned i = 0; i < rays; ++i) {
+        PathRandom random(shadows, i);
+        const LitPoint point = places.place(u, v, random.next2() - 0.5).point;
+        for (std::size_t j = 0; j < lights.count(); ++j) {
+            const DistantLights::Sample sample = lights.sample(j, random.next2());
+            const glm::dvec3 arrives = tracer.unblocked(point, sample.direction);
+            seen[j] += mean_of(arrives);
+            add(sample.direction, arrives * sample.irradiance / static_cast<double>(rays));
         }
     }
     diffuse_[at] = glm::vec3(lit);
@@ -121,24 +132,15 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer,
         harmonics_[at][i] = glm::vec3(sums[i]);
     smooth_[at] = convolved(harmonics_[at], glm::dvec3(glm::vec3(middle)));
 
-    const std::uint64_t shadows = mix_bits(options.seed + shadow_paths);
-    std::vector<double> seen(lights.size(), 0.0);
-    for (unsigned i = 0; i < options.shadow_samples; ++i) {
-        PathRandom random(shadows, i);
-        const LitPoint point = places.place(u, v, random.next2() - 0.5).point;
-        const glm::dvec2 within = random.next2();
-        for (std::size_t j = 0; j < lights.size(); ++j)
-            seen[j] += mean_of(tracer.unblocked(point, direction_within(lights[j], within)));
-    }
     // With rounding down below, a light that is never blocked would not be quite visible.
-    const unsigned step = 255 / options.shadow_samples, most = step * options.shadow_samples;
-    for (std::size_t j = 0; j < lights.size(); ++j) {
+    const unsigned step = 255 / rays, most = step * rays;
+    for (std::size_t j = 0; j < lights.count(); ++j) {
         const auto steps = static_cast<unsigned>(std::lround(seen[j] * step));
         visibility_[at * lights_ + j] = static_cast<std::uint8_t>(steps == most ? 255 : steps);
     }
 }
 
-std::optional<glm::dvec3> PlaceLight::diffuse(const glm::dvec2& texel,
+std::optional<glm::dvec3> PlaceLight::diffuse(const glm::dvec2& texel, std::size_t chart,
                                               const glm::dvec3& normal) const {
     const glm::dvec2 place = texel - 0.5;
     const glm::dvec2 low = glm::floor(place), share = place - low;
@@ -152,9 +154,9 @@ std::optional<glm::dvec3> PlaceLight::diffuse(const glm::dvec2& texel,
             const auto u = static_cast<std::uint32_t>(x), v = static_cast<std::uint32_t>(y);
             const double weight =
                 (i == 0 ? 1.0 - share.x : share.x) * (j == 0 ? 1.0 - share.y : share.y);
-            if (!matters(u, v) || weight <= 0.0)
-                continue;
             const std::size_t at = index(u, v);
+            if (!matters(u, v) || charts_[at] != chart || weight <= 0.0)
+                continue;
             const glm::dvec3& smooth = smooth_[at];
             const glm::dvec3 bumped = convolved(harmonics_[at], normal);
             glm::dvec3 change(1.0);

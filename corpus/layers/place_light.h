@@ -2,33 +2,35 @@
 // as shares of distant lights that are not blocked.
 #pragma once
 
+#include "corpus/layers/distant_lights.h"
 #include "corpus/layers/rows.h"
 #include "corpus/model_surface/model_places.h"
 #include "corpus/trace/tracer.h"
-#include "format/layers.h"
 
 namespace tessera::corpus {
 
 struct PlaceLightOptions {
-    unsigned diffuse_samples = 256; // paths per place
-    unsigned shadow_samples = 8;    // rays per place and light
+    unsigned diffuse_samples = 64; // paths per place, for the light of the model
+    unsigned shadow_samples = 256; // rays per place, shared by all lights
     std::uint64_t seed = 1;
 };
 
-// Immutable and thread-safe. Memory: 145 bytes per texel of the atlas, and a byte per texel and
+// Immutable and thread-safe. Memory: 149 bytes per texel of the atlas, and a byte per texel and
 // light.
 class PlaceLight {
 public:
     // Errors: those of for_rows().
     static Result<PlaceLight> make(const ModelPlaces& places, const Tracer& tracer,
-                                   std::span<const DistantLight> lights,
-                                   const PlaceLightOptions& options, const BakeRun& run);
+                                   const DistantLights& lights, const PlaceLightOptions& options,
+                                   const BakeRun& run);
 
     // Whether the texel shows a place that an observer can see.
     bool matters(std::uint32_t u, std::uint32_t v) const { return matters_[index(u, v)] != 0; }
     // The diffuse light per unit of diffuse colour at a place of the atlas in texels, interpolated
-    // between texels that matter, for a surface with this normal. Nothing if none of them matters.
-    std::optional<glm::dvec3> diffuse(const glm::dvec2& texel, const glm::dvec3& normal) const;
+    // between texels of its chart that matter, for a surface with this normal. Nothing if none of
+    // them matters.
+    std::optional<glm::dvec3> diffuse(const glm::dvec2& texel, std::size_t chart,
+                                      const glm::dvec3& normal) const;
     // 0..255: the share of the light that reaches the place.
     std::uint8_t visibility(std::uint32_t u, std::uint32_t v, std::size_t light) const {
         return visibility_[index(u, v) * lights_ + light];
@@ -41,12 +43,13 @@ private:
     std::size_t index(std::uint32_t u, std::uint32_t v) const {
         return std::size_t{v} * size_[0] + u;
     }
-    void bake(const ModelPlaces& places, const Tracer& tracer, std::span<const DistantLight> lights,
+    void bake(const ModelPlaces& places, const Tracer& tracer, const DistantLights& lights,
               const PlaceLightOptions& options, std::uint32_t u, std::uint32_t v);
 
     Texels2 size_{0, 0};
     std::size_t lights_ = 0;
     std::vector<std::uint8_t> matters_, visibility_;
+    std::vector<std::uint32_t> charts_;
     std::vector<glm::vec3> diffuse_; // without bumps
     std::vector<Harmonics> harmonics_;
     std::vector<glm::dvec3> smooth_; // the light of the harmonics without bumps

@@ -1,5 +1,7 @@
 #include "corpus/model_surface/model_atlas.h"
 
+#include "corpus/model_surface/chart_detail.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -172,7 +174,9 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
     if (options.tile[0] <= 2 * gutter || options.tile[1] <= 2 * gutter)
         return Status(ErrorCode::bad_argument, "a tile's sides must be larger than its gutters, " +
                                                    std::to_string(2 * gutter) + " texels");
-    const std::vector<FlatChart> flat = cut_flat(model, atlas.density);
+    std::vector<FlatChart> flat = cut_flat(model, atlas.density);
+    if (options.finer > 0.0 && options.density == 0.0)
+        atlas.density = shrink_to_detail(flat, model, options.texels, options.finer);
     TESSERA_TRY_ASSIGN(Atlas packed, pack_charts(flat, atlas.density, options.tile));
     atlas.charts = std::move(packed.charts);
     atlas.size = packed.size;

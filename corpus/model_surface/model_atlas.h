@@ -10,6 +10,9 @@ namespace tessera::corpus {
 struct ModelAtlasOptions {
     double density = 0; // texels per world unit; 0: such that the whole surface has `texels`
     double texels = 60'000;
+    // Above 0: charts follow the detail of their pictures for layers so many times finer than the
+    // atlas, unless `density` is given; see shrink_to_detail().
+    double finer = 0;
     Texels2 tile{32, 32};
     unsigned position_bits = 12;
     unsigned normal_bits = 0; // 0: the normals of the model are not stored
@@ -21,7 +24,7 @@ struct ModelAtlas {
     SurfaceMesh mesh;              // decoded from the stream
     std::vector<Chart> charts;
     Texels2 size{0, 0};
-    double density = 0;
+    double density = 0; // of the finest charts
     // The model with the triangles and positions of the mesh, and the normals, colours and
     // materials of the file.
     Model model;

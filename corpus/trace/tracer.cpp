@@ -184,23 +184,32 @@ double Tracer::emitter_density(const glm::dvec3& origin, const glm::dvec3& direc
 }
 
 // Directions towards emitters count only if their ray meets the sampled triangle first.
-double Tracer::shared_density(const LitPoint& point, const glm::dvec3& direction,
-                              const Hit& hit) const {
-    return shared_.environment * light_.environment->density(direction) +
-           shared_.emitters * emitter_density(start_of(point), direction, hit) +
-           (1.0 - shared_.environment - shared_.emitters) *
+double Tracer::shared_density(const Shares& shares, const LitPoint& point,
+                              const glm::dvec3& direction, const Hit& hit) const {
+    return shares.environment * light_.environment->density(direction) +
+           shares.emitters * emitter_density(start_of(point), direction, hit) +
+           (1.0 - shares.environment - shares.emitters) *
                cosine_density(glm::dot(point.normal, direction));
 }
 
 Tracer::Incoming Tracer::incoming(const LitPoint& point, PathRandom& random) const {
+    return incoming(shared_, point, random);
+}
+
+Tracer::Incoming Tracer::incoming_of_model(const LitPoint& point, PathRandom& random) const {
+    return incoming({0.0, shared_.emitters / (1.0 - shared_.environment)}, point, random);
+}
+
+Tracer::Incoming Tracer::incoming(const Shares& shares, const LitPoint& point,
+                                  PathRandom& random) const {
     const double choice = random.next();
     const glm::dvec2 x = random.next2();
     const glm::dvec3 start = start_of(point);
     Incoming found{sample_cosine(point.normal, x), glm::dvec3(0.0), 1.0};
     std::optional<std::uint32_t> emitter;
-    if (choice < shared_.environment) {
+    if (choice < shares.environment) {
         found.direction = light_.environment->sample(x).direction;
-    } else if (choice < shared_.environment + shared_.emitters) {
+    } else if (choice < shares.environment + shares.emitters) {
         const EmitterSample near = emitters_.sample(start, x);
         if (largest_channel(near.light) <= 0.0)
             return found;
@@ -211,10 +220,10 @@ Tracer::Incoming Tracer::incoming(const LitPoint& point, PathRandom& random) con
         glm::dot(found.direction, point.face) <= 0.0)
         return found;
     const Hit hit = next_hit(start, found.direction, random);
-    if (emitter && !(hit && hit->triangle == *emitter))
+    if ((emitter && !(hit && hit->triangle == *emitter)) || (!hit && shares.environment == 0.0))
         return found;
     found.light = arriving(start, found.direction, hit, infinite, 1.0, random);
-    found.density = shared_density(point, found.direction, hit);
+    found.density = shared_density(shares, point, found.direction, hit);
     return found;
 }
 
@@ -245,7 +254,7 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
     if (const Thrown thrown = lobe(l); thrown.density > 0.0) {
         const Hit hit = next_hit(start, l, random);
         sum += thrown.share * arriving(start, l, hit, infinite, lobe.width(), random) /
-               (shared * shared_density(point, l, hit) + own * thrown.density);
+               (shared * shared_density(shared_, point, l, hit) + own * thrown.density);
     }
     return sum;
 }

@@ -68,6 +68,8 @@ public:
         double density = 0; // per steradian
     };
     Incoming incoming(const LitPoint& point, PathRandom& random) const;
+    // The same for the light of the model alone.
+    Incoming incoming_of_model(const LitPoint& point, PathRandom& random) const;
     glm::dvec3 specular_of(const Incoming& incoming, const LitPoint& point, const glm::dvec3& view,
                            double shared, double own) const;
     glm::dvec3 specular_own(const LitPoint& point, const glm::dvec3& view, double shared,
@@ -99,7 +101,10 @@ private:
         double environment = 0.5, emitters = 0.0;
     };
 
-    double shared_density(const LitPoint& point, const glm::dvec3& direction, const Hit& hit) const;
+    double shared_density(const Shares& shares, const LitPoint& point, const glm::dvec3& direction,
+                          const Hit& hit) const;
+    // Without the environment if its share is 0.
+    Incoming incoming(const Shares& shares, const LitPoint& point, PathRandom& random) const;
     // The density with which emitters_ samples the direction, whose ray meets `hit`.
     double emitter_density(const glm::dvec3& origin, const glm::dvec3& direction,
                            const Hit& hit) const;

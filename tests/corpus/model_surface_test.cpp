@@ -1,4 +1,5 @@
 // Tests models that are textured on their own surfaces: charts, texels, masks.
+#include "corpus/model_surface/chart_detail.h"
 #include "corpus/model_surface/flat_overlap.h"
 #include "corpus/model_surface/model_source.h"
 #include "corpus/model_surface/model_truth.h"
@@ -47,6 +48,41 @@ TEST(ModelSurface, ChartsDoNotOverlap) {
         expect_no_overlap(atlas);
         EXPECT_LE(atlas.charts.size(), 16u);
     }
+}
+
+// A chart has as many texels as its pictures need, at least half of the density of the finest, and
+// all of them have what was asked for.
+TEST(ModelSurface, TexelsFollowTheDetailOfPictures) {
+    const std::array<double, 3> picture_sides{16, 64, 1024}; // on squares of side 1
+    Model model;
+    std::vector<FlatChart> charts(3);
+    for (std::uint32_t i = 0; i < 3; ++i) {
+        const auto side = static_cast<std::uint32_t>(picture_sides[i]);
+        model.images.push_back({side, side, {}});
+        model.materials.emplace_back();
+        model.materials[i].normal_texture.image = static_cast<int>(i);
+        const std::uint32_t first = 3 * i;
+        for (const glm::vec2 p : {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(0, 1)})
+            model.vertices.push_back({.position = {p, 0.0f}, .uv = {p, p}});
+        model.triangles.push_back({{first, first + 1, first + 2}, i});
+        charts[i] = {{i}, {{glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(0, 1)}}, {1, 1}};
+    }
+    const double density = shrink_to_detail(charts, model, 20'000, 1.0);
+    EXPECT_EQ(charts[2].sides, glm::dvec2(1.0));
+    EXPECT_NEAR(charts[1].sides.x * density, 1.4 * 64, 0.1);
+    EXPECT_NEAR(charts[0].sides.x, 0.5, 1e-9);
+    EXPECT_EQ(charts[0].places[0][1], glm::dvec2(0.5, 0.0));
+    double texels = 0;
+    for (const FlatChart& chart : charts)
+        texels += 0.5 * std::pow(chart.sides.x * density, 2);
+    EXPECT_NEAR(texels, 20'000, 1);
+    // Without pictures all have the same density.
+    for (ModelMaterial& m : model.materials)
+        m.normal_texture.image = -1;
+    std::vector<FlatChart> plain(
+        3, {{0}, {{glm::dvec2(0), glm::dvec2(1, 0), glm::dvec2(0, 1)}}, {1, 1}});
+    const double even = shrink_to_detail(plain, model, 15'000, 1.0);
+    EXPECT_NEAR(plain[0].sides.x * even, 100.0, 1e-3);
 }
 
 // Squares of side 1, each with its own vertices, in rows of 32.

@@ -17,7 +17,7 @@ constexpr int quality_steps = 6, psnr_steps = 8;
 
 // The quality of a layer, so that all layers save about the same error per byte (FlightHelmet).
 double quality_of(LayerRole role, double quality) {
-    constexpr std::array<double, value_names<LayerRole>.size()> changes{4, 4,  0,  -8, 3, -3,
+    constexpr std::array<double, value_names<LayerRole>.size()> changes{4, 4,  0,  -8, 3, -9,
                                                                         0, -4, 16, 0,  0, 0};
     return std::clamp(quality + changes[static_cast<std::size_t>(role)], least_quality,
                       most_quality);
