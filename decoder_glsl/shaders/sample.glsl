@@ -48,7 +48,7 @@
 #define TESSERA_UNIT_TEXELS 0
 #endif
 #ifndef TESSERA_UNIT_SAMPLER
-#define TESSERA_UNIT_SAMPLER 11
+#define TESSERA_UNIT_SAMPLER 12
 #endif
 #include "dialect.glsl"
 #include "sampler_layout.glsl"

@@ -76,7 +76,7 @@ float4 main(float3 a : A, float3 b : B, float3 c : C, float2 d : D) : SV_Target0
 END
         arguments+=("${file%.hlsl}.frag.hlsl" ps_6_0) ;;
     */layered_mesh.frag.hlsl) # as translated, and with all layers
-        { for id in {1..11}; do echo "#define SPIRV_CROSS_CONSTANT_ID_$id $id"; done; cat "$file"; } \
+        { for id in {1..13}; do echo "#define SPIRV_CROSS_CONSTANT_ID_$id $id"; done; cat "$file"; } \
             >"${file%.frag.hlsl}.all.frag.hlsl"
         arguments+=("$file" ps_6_0 "${file%.frag.hlsl}.all.frag.hlsl" ps_6_0) ;;
     *.comp.hlsl) arguments+=("$file" cs_6_0) ;;
