@@ -10,7 +10,7 @@ import {pathToFileURL} from "node:url";
 import {openDawn} from "./cases.mjs";
 
 const [modules, folder, packageFolder, ...files] = process.argv.slice(2);
-const runs = 5;
+const runs = 3;
 const imported = name => import(pathToFileURL(path.resolve(packageFolder, name)).href);
 const [{loadTessera}, {GpuDecoder}] = [await imported("tessera.js"), await imported("tessera_webgpu.js")];
 const codec = await loadTessera(fs.readFileSync(path.join(packageFolder, "tessera_webgpu.wasm")));
