@@ -39,7 +39,7 @@ for (const name of files) {
     const first = await seconds(onGpu, 1), again = await seconds(onGpu, runs);
     const wasm = await seconds(async () => file.atlas(box.slice(0, 4), atlas), runs);
     console.log(`${path.basename(name)}: ${size.join("x")}, ${bytes.length} bytes, WebGPU ${(again * 1000).toFixed(0)} ms ` +
-                `(${first.toFixed(1)} s the first time, with compiling), WebAssembly ${(wasm * 1000).toFixed(0)} ms`);
+                `(${first.toFixed(1)} s the first time, with compiling), WebAssembly ${(wasm * 1000).toFixed(1)} ms`);
     file.close();
 }
 process.exit(0);
