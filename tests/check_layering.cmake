@@ -25,6 +25,7 @@ set(folders_corpus picture surface model photographs trace model_surface layers 
 set(folders_tools support http picture texture_io scenes view gltf web server page verbs lab)
 set(built_on_insides codec decoder_glsl) # may include internal headers of format
 set(public_modules format codec decoder_glsl)
+set(web_host "^tools/web/webgpu/") # the shaders' host for WebGPU, which uses decoder_glsl/batch like gl/ and residency/
 set(listed_in_readme codec decoder_glsl tools)
 if(NOT DEFINED most_public_headers)
     set(most_public_headers 20)
@@ -67,7 +68,8 @@ function(check_include layer name target)
     if(name_is_public AND NOT target_is_public)
         message(SEND_ERROR "${name}: a public header must not include the internal ${target}")
     elseif(NOT module STREQUAL layer)
-        if(module IN_LIST public_modules AND NOT target_is_public AND NOT layer IN_LIST built_on_insides)
+        if(module IN_LIST public_modules AND NOT target_is_public AND NOT layer IN_LIST built_on_insides AND
+           NOT (name MATCHES "${web_host}" AND target MATCHES "^decoder_glsl/batch/"))
             message(SEND_ERROR "${name}: ${target} is internal to ${module}")
         endif()
     else()

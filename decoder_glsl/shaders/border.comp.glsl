@@ -81,31 +81,34 @@ ivec4 tsr_picture_value(TsrPictureBlock b, int u, int v) {
     return tsr_value_in(b.format, b.dest, b.first + uint(y * b.width + x));
 }
 
+// Compilers copy functions to where they are called, so only two places read the border: the loops of
+// tsr_border_mean() and tsr_weighted_border(). Other functions compute which texels they read.
+ivec4 tsr_border_value(TsrPictureBlock b, ivec2 place) {
+    if (b.above <= 0 && b.left <= 0)
+        return ivec4(0);
+    return tsr_picture_value(b, place.x, place.y);
+}
+
 // The texels T and L of the format. Where one side of the border does not exist, the other takes
 // its place.
-ivec4 tsr_above(TsrPictureBlock b, int i) {
+ivec2 tsr_above(TsrPictureBlock b, int i) {
     if (b.above > 0)
-        return tsr_picture_value(b, b.origin.x + min(i, b.above - 1), b.origin.y - 1);
-    if (b.left > 0)
-        return tsr_picture_value(b, b.origin.x - 1, b.origin.y);
-    return ivec4(0);
+        return b.origin + ivec2(min(i, b.above - 1), -1);
+    return b.origin + ivec2(-1, 0);
 }
-ivec4 tsr_left(TsrPictureBlock b, int i) {
+ivec2 tsr_left(TsrPictureBlock b, int i) {
     if (b.left > 0)
-        return tsr_picture_value(b, b.origin.x - 1, b.origin.y + min(i, b.left - 1));
+        return b.origin + ivec2(-1, min(i, b.left - 1));
     return tsr_above(b, 0);
 }
 
 // Texel i of a line of the border, -1 for the corner: the line above, or the one to the left.
-ivec4 tsr_border_texel(TsrPictureBlock b, bool above, int i) {
-    if (i >= 0) {
-        if (above)
-            return tsr_above(b, i);
-        return tsr_left(b, i);
-    }
-    if (b.above > 0 && b.left > 0)
-        return tsr_picture_value(b, b.origin.x - 1, b.origin.y - 1);
-    return tsr_left(b, 0);
+ivec2 tsr_border_texel(TsrPictureBlock b, bool above, int i) {
+    if (i < 0 && b.above > 0 && b.left > 0)
+        return b.origin - 1;
+    if (i >= 0 && above)
+        return tsr_above(b, i);
+    return tsr_left(b, max(i, 0));
 }
 
 ivec4 tsr_border_mean(TsrPictureBlock b) {
@@ -119,10 +122,8 @@ ivec4 tsr_border_mean(TsrPictureBlock b) {
     for (int begin = 0; begin < count; begin += 8) {
         TSR_LOOP;
         for (int i = begin; i < min(begin + 8, count); ++i) {
-            if (i < count_above)
-                sum += tsr_above(b, i);
-            else
-                sum += tsr_left(b, i - count_above);
+            bool above = i < count_above;
+            sum += tsr_border_value(b, tsr_border_texel(b, above, above ? i : i - count_above));
         }
     }
     // Values are above -2^19. Unsigned division rounds down.
@@ -130,15 +131,26 @@ ivec4 tsr_border_mean(TsrPictureBlock b) {
     return ivec4(uvec4(sum + count * more) / uint(count)) - more;
 }
 
-ivec4 tsr_planar(TsrPictureBlock b, int x, int y) {
+// A texel of the border and its weight in a prediction.
+struct TsrBorderTap {
+    ivec2 place;
+    int weight;
+};
+
+// Tap k of four, whose weights are 128 together.
+TsrBorderTap tsr_planar_tap(TsrPictureBlock b, int x, int y, int k) {
+    bool at_end = (k & 1) != 0; // of a line; otherwise beside the texel
     int across = 64 * (x + 1) / b.sides.x;
     int down = 64 * (y + 1) / b.sides.y;
-    ivec4 sum = (64 - across) * tsr_left(b, y) + across * tsr_above(b, b.sides.x) +
-                (64 - down) * tsr_above(b, x) + down * tsr_left(b, b.sides.y);
-    return (sum + 64) >> 7;
+    if (k < 2)
+        return TsrBorderTap(tsr_border_texel(b, at_end, at_end ? b.sides.x : y),
+                            at_end ? across : 64 - across);
+    return TsrBorderTap(tsr_border_texel(b, !at_end, at_end ? b.sides.y : x),
+                        at_end ? down : 64 - down);
 }
 
-ivec4 tsr_directional(TsrPictureBlock b, int direction, int x, int y) {
+// Tap k of two, whose weights are 32 together.
+TsrBorderTap tsr_directional_tap(TsrPictureBlock b, int direction, int x, int y, int k) {
     uint word = tsr_table(tsr_t_direction + direction);
     int slope = int(word << 16) >> 16;
     int inverse = int(word >> 16);
@@ -148,23 +160,32 @@ ivec4 tsr_directional(TsrPictureBlock b, int direction, int x, int y) {
     int moved = (away + 1) * slope;
     int part = moved & 31;
     int n = b.sides.x + b.sides.y;
-    ivec4 sum = ivec4(16);
-    for (int k = 0; k < 2; ++k) {
-        int i = along + 1 + (moved >> 5) + k;
-        bool other = i < 0;
-        int texel = other ? min((-i * inverse + 128) >> 8, n) - 1 : min(i, n) - 1;
-        sum += (k == 0 ? 32 - part : part) * tsr_border_texel(b, other != above, texel);
+    int i = along + 1 + (moved >> 5) + k;
+    bool other = i < 0;
+    int texel = other ? min((-i * inverse + 128) >> 8, n) - 1 : min(i, n) - 1;
+    return TsrBorderTap(tsr_border_texel(b, other != above, texel), k == 0 ? 32 - part : part);
+}
+
+// The prediction of a block with a mode above 1.
+ivec4 tsr_weighted_border(TsrPictureBlock b, int x, int y) {
+    bool planar = b.mode == 2;
+    ivec4 sum = ivec4(planar ? 64 : 16);
+    for (int k = 0; k < (planar ? 4 : 2); ++k) {
+        TsrBorderTap tap = TsrBorderTap(ivec2(0), 0);
+        if (planar)
+            tap = tsr_planar_tap(b, x, y, k);
+        else
+            tap = tsr_directional_tap(b, min(b.mode - 3, tsr_directions - 1), x, y, k);
+        sum += tap.weight * tsr_border_value(b, tap.place);
     }
-    return sum >> 5;
+    return sum >> (planar ? 7 : 5);
 }
 
 // `mean`: of the border, for mode 1.
 void tsr_predict_texel(TsrPictureBlock b, ivec4 mean, int x, int y) {
     ivec4 predicted = mean;
-    if (b.mode == 2)
-        predicted = tsr_planar(b, x, y);
-    else if (b.mode > 2)
-        predicted = tsr_directional(b, min(b.mode - 3, tsr_directions - 1), x, y);
+    if (b.mode > 1)
+        predicted = tsr_weighted_border(b, x, y);
     int u = min(b.origin.x + x, b.last.x);
     int v = min(b.origin.y + y, b.last.y);
     uint at = b.first + uint(v * b.width + u);

@@ -6,7 +6,7 @@
 // are none. With TESSERA_COVERAGE_ONLY, the program is for the pass that draws depths. It and the pass
 // without further macros draw fragments that hide what is behind them. TESSERA_BLENDED is for a third
 // pass, which draws the others from back to front. Its light is multiplied by the opacity. HLSL, MSL
-// and WGSL have constants in place of these macros (layer_constants.glsl), and no layer of opacity.
+// and WGSL have constants in place of these macros (layer_constants.glsl).
 #include "layer_constants.glsl"
 #include "sample.glsl"
 #include "layers.glsl"
@@ -166,13 +166,12 @@ float tsr_opacity(vec2 covered) {
         return 0.0;
     float opacity = 1.0;
 #ifdef TESSERA_LAYER_OPACITY
-    opacity = tsr_sample_flat(TESSERA_LAYER_OPACITY, covered).x;
-    bool hides = opacity >= tsr_full_opacity;
-#ifdef TESSERA_BLENDED
-    opacity = hides ? 0.0 : opacity;
-#else
-    opacity = hides ? 1.0 : 0.0;
-#endif
+    if (TSR_IF(TESSERA_LAYER_OPACITY))
+        opacity = tsr_sample_flat(TESSERA_LAYER_OPACITY, covered).x;
+    if (opacity >= tsr_full_opacity)
+        opacity = TSR_BLENDS ? 0.0 : 1.0;
+    else if (!TSR_BLENDS)
+        opacity = 0.0;
 #endif
     return opacity;
 }
@@ -254,12 +253,13 @@ void main() {
 #endif
     shown = clamp(shown, 0.0, 1.0);
 #ifdef TESSERA_LAYER_OPACITY
+    if (TSR_IF(TESSERA_LAYER_OPACITY)) {
 #if defined(TESSERA_LAYER_DIFFERENCE) || defined(TESSERA_LAYER_SHARED_DIFFERENCE)
-    light = vec3(tsr_linear(shown.x), tsr_linear(shown.y), tsr_linear(shown.z));
+        light = vec3(tsr_linear(shown.x), tsr_linear(shown.y), tsr_linear(shown.z));
 #endif
-    tsr_colour = vec4(opacity * light, opacity);
-#else
-    tsr_colour = vec4(shown, 1.0);
+        shown = opacity * light;
+    }
 #endif
+    tsr_colour = vec4(shown, opacity);
 }
 #endif

@@ -23,7 +23,7 @@
 //   TESSERA_BINDING_MARKS       5  storage buffer, written, one word per tile: tile cache only
 //   TESSERA_BINDING_PARAMETERS  2  uniform block: the first 128 bytes of SAMPLER
 //   TESSERA_UNIT_TEXELS         0  sampler2DArray
-//   TESSERA_UNIT_SAMPLER       11  the linear sampler, where it is apart from the texture
+//   TESSERA_UNIT_SAMPLER       12  the linear sampler, where it is apart from the texture
 // The host class SampledTexture (gl_sampled_texture.h) fills and binds them.
 //
 // With TESSERA_TEXTURES defined as N, there are N plain textures. Their bindings count up from those
@@ -48,7 +48,7 @@
 #define TESSERA_UNIT_TEXELS 0
 #endif
 #ifndef TESSERA_UNIT_SAMPLER
-#define TESSERA_UNIT_SAMPLER 11
+#define TESSERA_UNIT_SAMPLER 12
 #endif
 #include "dialect.glsl"
 #include "sampler_layout.glsl"

@@ -2,8 +2,8 @@
 // HLSL and MSL. Texture i is at unit i. All textures share a storage buffer, which holds the words of
 // one after those of another, and a uniform block, which holds their headers in the same order. The
 // host sets tsr_p_words_at in each header to the word where the texture's words begin.
-#if TESSERA_TEXTURES > 11
-#error "TESSERA_TEXTURES is 11 at most"
+#if TESSERA_TEXTURES > 12
+#error "TESSERA_TEXTURES is 12 at most"
 #endif
 const int tsr_textures = TESSERA_TEXTURES;
 int tsr_selected = 0;
@@ -47,6 +47,9 @@ layout(TSR_TEXTURE(9)) uniform highp TSR_TEXTURE_TYPE tsr_texels_9;
 #if TESSERA_TEXTURES > 10
 layout(TSR_TEXTURE(10)) uniform highp TSR_TEXTURE_TYPE tsr_texels_10;
 #endif
+#if TESSERA_TEXTURES > 11
+layout(TSR_TEXTURE(11)) uniform highp TSR_TEXTURE_TYPE tsr_texels_11;
+#endif
 
 uvec4 tsr_parameters_from(int field) {
     return tsr_parameters[tsr_selected * (tsr_sampler_words / 4) + (field >> 2)];
@@ -55,6 +58,10 @@ uint tsr_word(int i) {
     return tsr_sampler[int(tsr_parameters_from(tsr_p_words_at)[tsr_p_words_at & 3]) + i];
 }
 vec4 tsr_texel(ivec3 at) {
+#if TESSERA_TEXTURES > 11
+    if (tsr_selected == 11)
+        return texelFetch(tsr_texels_11, at, 0);
+#endif
 #if TESSERA_TEXTURES > 10
     if (tsr_selected == 10)
         return texelFetch(tsr_texels_10, at, 0);
@@ -99,6 +106,10 @@ vec4 tsr_texel(ivec3 at) {
 }
 #ifdef TESSERA_HARDWARE_FILTER
 vec4 tsr_filtered_texel(vec3 place) {
+#if TESSERA_TEXTURES > 11
+    if (tsr_selected == 11)
+        return textureLod(TSR_WITH_SAMPLER(tsr_texels_11), place, 0.0);
+#endif
 #if TESSERA_TEXTURES > 10
     if (tsr_selected == 10)
         return textureLod(TSR_WITH_SAMPLER(tsr_texels_10), place, 0.0);

@@ -344,11 +344,11 @@ TEST(Shaders, HaveNoNamesThatOtherLanguagesReserve) {
 #ifdef TESSERA_GLSLANG
 // OpenGL ES and the translated dialects keep a list of textures, which no variable indexes.
 TEST(Shaders, DrawLayersWithoutArraysOfTextures) {
-    std::vector<ShaderDefine> defines = {{"TESSERA_TEXTURES", "11"}, {"TESSERA_LIGHTS", "5"}};
+    std::vector<ShaderDefine> defines = {{"TESSERA_TEXTURES", "12"}, {"TESSERA_LIGHTS", "5"}};
     int number = 0;
     for (const char* role :
          {"EMISSION", "SPECULAR", "ROUGHNESS", "NORMAL", "VISIBILITY", "REFLECTION", "COVERAGE",
-          "ENVIRONMENT", "DIFFERENCE", "SHARED_DIFFERENCE"})
+          "ENVIRONMENT", "DIFFERENCE", "SHARED_DIFFERENCE", "OPACITY"})
         defines.emplace_back(std::string("TESSERA_LAYER_") + role, std::to_string(++number));
     const auto es = shader_source("layered_mesh.frag.glsl", ShaderDialect::es310, defines);
     ASSERT_TRUE(es);

@@ -94,7 +94,7 @@ async function sampleDifferences(shaders, macros, words, texture, probes, values
     const resources = {"0:4": {buffer: buffer(device, usage.STORAGE, words)},
         "0:5": {buffer: buffer(device, usage.STORAGE, 4096)}, "0:7": {buffer: points},
         "2:0": texture.createView({dimension: "2d-array"}),
-        "2:11": device.createSampler({magFilter: "linear", minFilter: "linear"}),
+        "2:12": device.createSampler({magFilter: "linear", minFilter: "linear"}),
         "3:2": {buffer: buffer(device, usage.UNIFORM, words.subarray(0, 32))}};
     const encoder = device.createCommandEncoder();
     const count = probes.length / 16;

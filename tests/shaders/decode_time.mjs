@@ -1,57 +1,45 @@
 // Measures the time to decode on WebGPU (Dawn) beside WebAssembly: the table of decoder_glsl/DIALECTS.md.
-//   node decode_time.mjs NODE_MODULES SHADERS PACKAGE FILE.tess CASE [FILE.tess CASE...]
-// PACKAGE: build/web/package. Times are CPU time of the process, the best of several runs, because other work
-// on the machine changes them least. SwiftShader runs the shaders on all cores of the CPU.
+//   node decode_time.mjs NODE_MODULES SHADERS PACKAGE FILE.tess...
+// SHADERS: a folder of folders that `tessera shaders --dialect wgsl` wrote; PACKAGE: build/web/package. WebGPU decodes to
+// a texture, WebAssembly to memory, both from the whole file and with its preparation. Times are CPU time of the process,
+// the best of several runs, because other work on the machine changes them least. SwiftShader runs the shaders on all
+// cores of the CPU.
 import fs from "node:fs";
 import path from "node:path";
 import {pathToFileURL} from "node:url";
-import {batchesOf, openDawn, readCase} from "./cases.mjs";
-import {Shaders, buffer, decodeBatch} from "./wgsl_decoder.mjs";
+import {openDawn} from "./cases.mjs";
 
 const [modules, folder, packageFolder, ...files] = process.argv.slice(2);
-const runs = 5;
-const device = await openDawn(modules);
-const {loadTessera} = await import(pathToFileURL(path.resolve(packageFolder, "tessera.js")).href);
-const codec = await loadTessera(fs.readFileSync(path.join(packageFolder, "tessera.wasm")));
-const shaders = new Shaders(device, folder);
+const runs = 3;
+const imported = name => import(pathToFileURL(path.resolve(packageFolder, name)).href);
+const [{loadTessera}, {GpuDecoder}] = [await imported("tessera.js"), await imported("tessera_webgpu.js")];
+const codec = await loadTessera(fs.readFileSync(path.join(packageFolder, "tessera_webgpu.wasm")));
+const gpu = new GpuDecoder(await openDawn(modules), async (macros, name) =>
+    fs.readFileSync(path.join(folder, macros, `${name}.wgsl`), "utf8"));
 
-async function milliseconds(work) {
+async function seconds(work, times) {
     let best = Infinity;
-    for (let run = 0; run < runs; ++run) {
+    for (let run = 0; run < times; ++run) {
         const start = process.cpuUsage();
         await work();
         const {user, system} = process.cpuUsage(start);
-        best = Math.min(best, (user + system) / 1000);
+        best = Math.min(best, (user + system) / 1e6);
     }
-    return best.toFixed(0);
+    return best;
 }
 
-async function decodeOnGpu(file, tables, batches) {
-    for (const {batch} of batches) {
-        const texture = device.createTexture({size: [file.width, file.height, batch.tiles],
-            format: file.half ? "rgba16float" : "rgba8unorm", usage: GPUTextureUsage.STORAGE_BINDING});
-        await decodeBatch(shaders, file, batch, tables, texture);
+for (const name of files) {
+    const bytes = fs.readFileSync(name), file = codec.openBytes(bytes), size = file.info.gridSize;
+    const box = size.flatMap(n => [0, n]), atlas = new Uint8Array(size.reduce((a, b) => a * b) * 4);
+    const onGpu = async () => {
+        const {texture} = await gpu.decode(file, box);
+        await gpu.device.queue.onSubmittedWorkDone();
         texture.destroy();
-    }
-}
-
-for (let i = 0; i + 1 < files.length; i += 2) {
-    const opened = codec.openBytes(fs.readFileSync(files[i]));
-    const [U, V, S, T] = opened.info.size;
-    const atlas = new Uint8Array(U * V * S * T * 4);
-    const arrays = readCase(files[i + 1]);
-    const named = what => arrays.find(array => array.name === what).words;
-    const [half, filters, , width, height] = named("facts");
-    const file = {half: half !== 0, filters: filters !== 0, width, height};
-    const tables = buffer(device, GPUBufferUsage.STORAGE, named("tables"));
-    const batches = [...batchesOf(arrays)];
-    const start = performance.now();
-    await decodeOnGpu(file, tables, batches);
-    const first = ((performance.now() - start) / 1000).toFixed(1);
-    const gpu = await milliseconds(() => decodeOnGpu(file, tables, batches));
-    const wasm = await milliseconds(async () => opened.atlas([0, U, 0, V], atlas));
-    console.log(`${path.basename(files[i])}: ${U}x${V}x${S}x${T}, WebGPU ${gpu} ms ` +
-                `(${first} s the first time, with compiling), WebAssembly ${wasm} ms`);
-    opened.close();
+    };
+    const first = await seconds(onGpu, 1), again = await seconds(onGpu, runs);
+    const wasm = await seconds(async () => file.atlas(box.slice(0, 4), atlas), runs);
+    console.log(`${path.basename(name)}: ${size.join("x")}, ${bytes.length} bytes, WebGPU ${(again * 1000).toFixed(0)} ms ` +
+                `(${first.toFixed(1)} s the first time, with compiling), WebAssembly ${(wasm * 1000).toFixed(1)} ms`);
+    file.close();
 }
 process.exit(0);

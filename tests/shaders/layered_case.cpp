@@ -1,4 +1,4 @@
-// layered_case OUT: writes a mesh with a texture for every role of a layer, and the picture that the CPU
+// layered_case OUT: writes two squares with a texture for every role of a layer, and the picture that the CPU
 // draws of it, for layered.mjs. OUT is a list of arrays (case_file.h):
 //   facts       width and height of the picture, number of lights
 //   words       the sampler's words of all textures, one after the other
@@ -7,7 +7,7 @@
 //   layers      the uniform block TesseraLayers, as far as it is used
 //   view        the uniform block TesseraMeshView
 //   vertices    position, normal, tangent, uv: 11 floats for each corner of each triangle
-//   picture     three floats per pixel
+//   picture     three floats per pixel: display values
 #include "tests/shaders/case_file.h"
 #include "tests/support/memory_texture.h"
 #include "tools/view/layered_renderer.h"
@@ -47,6 +47,7 @@ const LayerShape shapes[] = {
     {LayerRole::environment, {4, 1, 16, 16}, 3, 0.3f},
     {LayerRole::difference, {16, 16, 6, 6}, 3, 0.05f},
     {LayerRole::shared_difference, {1, 1, 12, 12}, 3, 0.05f},
+    {LayerRole::opacity, {64, 64, 1, 1}, 1, 1.0f},
 };
 
 double wave(double x) {
@@ -54,26 +55,36 @@ double wave(double x) {
 }
 
 // Smooth values, because the picture is a matter of sampling and light, not of noise. Normals point
-// nearly away from the mesh, and a corner of the atlas is not covered.
+// nearly away from the mesh, a corner of the atlas is not covered, and its right half is translucent.
 double sample_of(LayerRole role, int u, int v, int s, int t, int c) {
     const double smooth = wave(0.31 * u + 0.17 * v + 0.9 * s - 0.7 * t + c);
     if (role == LayerRole::normal)
         return (128.0 + 40.0 * (smooth - 0.5)) / 255.0;
     if (role == LayerRole::coverage)
         return u < 12 && v < 12 ? 0.0 : 1.0;
+    if (role == LayerRole::opacity)
+        return u < 32 ? 1.0 : 0.3 + 0.4 * smooth;
     return is_signed(role) ? 0.3 + 0.4 * smooth : smooth;
 }
 
-// A square in the plane z = 0 that fills the picture.
-SurfaceMesh square() {
+// A translucent square in front of an opaque one that fills the picture.
+SurfaceMesh squares() {
+    struct Square {
+        float left, z, begin, side; // left: of its chart; begin and side: of its x and y
+    };
     SurfaceMesh mesh;
-    for (const glm::vec2 corner :
-         {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(1, 1), glm::vec2(0, 1)}) {
-        mesh.uv.emplace_back(corner);
-        mesh.positions.emplace_back(corner, 0.0f);
-        mesh.normals.emplace_back(glm::normalize(glm::vec3(0.3f * (corner - 0.5f), 1.0f)));
+    for (const Square& square :
+         {Square{0.53f, 0.2f, 0.3f, 0.5f}, Square{0.02f, 0.0f, 0.0f, 1.0f}}) {
+        const auto first = static_cast<std::uint32_t>(mesh.uv.size());
+        for (const glm::vec2 corner :
+             {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(1, 1), glm::vec2(0, 1)}) {
+            mesh.uv.emplace_back(square.left + 0.45f * corner.x, 0.02f + 0.96f * corner.y);
+            mesh.positions.emplace_back(square.begin + square.side * corner, square.z);
+            mesh.normals.emplace_back(glm::normalize(glm::vec3(0.3f * (corner - 0.5f), 1.0f)));
+        }
+        mesh.triangles.push_back({first, first + 1, first + 2});
+        mesh.triangles.push_back({first, first + 2, first + 3});
     }
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
     return mesh;
 }
 
@@ -120,15 +131,17 @@ void add_blocks(std::span<const DistantLight> sun, const Camera& camera, Arrays&
     }
     out.add("layers", std::as_bytes(std::span(layers)));
 
-    // Clip coordinates of a position p from the eye: p along right and up in units of these, and
-    // the distance along forward; the depth is half of it.
+    // Clip coordinates of a position p from the eye: p along right and up in units of these, a depth
+    // of 0 to 1 for distances of 0.5 to 2 along forward, and that distance.
     const glm::dvec3 right = camera.right / glm::dot(camera.right, camera.right);
     const glm::dvec3 up = camera.up / glm::dot(camera.up, camera.up);
-    const glm::dvec3 rows[] = {right, up, 0.5 * camera.forward, camera.forward};
+    constexpr double near = 0.5, far = 2.0, depth = far / (far - near);
+    const glm::dvec4 rows[] = {
+        {right, 0.0}, {up, 0.0}, {depth * camera.forward, -near * depth}, {camera.forward, 0.0}};
     std::vector<float> view; // columns first
     for (int column = 0; column < 4; ++column)
-        for (const glm::dvec3& row : rows)
-            view.push_back(column < 3 ? static_cast<float>(row[column]) : 0.0f);
+        for (const glm::dvec4& row : rows)
+            view.push_back(static_cast<float>(row[column]));
     for (int i = 0; i < 3; ++i)
         view.push_back(static_cast<float>(camera.eye[i]));
     view.push_back(0.0f);
@@ -148,7 +161,7 @@ void add_vertices(const SurfaceMesh& mesh, Arrays& out) {
 }
 
 int run(const char* to) {
-    const SurfaceMesh mesh = square();
+    const SurfaceMesh mesh = squares();
     std::vector<std::unique_ptr<test::MemoryTexture>> sources;
     std::vector<DrawnLayer> drawn;
     for (const LayerShape& shape : shapes) {

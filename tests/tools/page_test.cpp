@@ -84,5 +84,23 @@ TEST(Page, HoldsOnlyTheGivenContents) {
     EXPECT_EQ(server->find("id=\"file\""), server->npos);
 }
 
+// What pages fetch where the browser has WebGPU.
+TEST(Page, HasPartsForWebGpu) {
+    if (!make_server_page().ok())
+        GTEST_SKIP() << "built without a WebAssembly compiler";
+    const auto worker = viewer_part("gpu_worker.js"), wasm = viewer_part("tessera_webgpu.wasm");
+    ASSERT_TRUE(worker && wasm);
+    EXPECT_EQ(worker->type, "text/javascript");
+    EXPECT_TRUE(wasm->is_gzip);
+    const auto plain = viewer_part("wgsl/plain/texels.comp.wgsl"),
+               half = viewer_part("wgsl/half_predicted/texels.comp.wgsl");
+    ASSERT_TRUE(plain && half);
+    EXPECT_NE(plain->content.find("rgba8unorm, write"), std::string::npos);
+    EXPECT_NE(half->content.find("rgba16float, write"), std::string::npos);
+    for (const char* name : {"", "page.html", "tessera.js", "wgsl/tree.comp.wgsl",
+                             "wgsl/plain/tree.comp", "wgsl/plain/nothing.wgsl", "../gpu_worker.js"})
+        EXPECT_FALSE(viewer_part(name)) << name;
+}
+
 } // namespace
 } // namespace tessera

@@ -5,10 +5,11 @@ import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 
 export class Browser {
-    constructor(program) {
+    // flags: further arguments of Chromium.
+    constructor(program, flags = []) {
         this.folder = mkdtempSync(join(tmpdir(), 'tessera-web-'));
         this.process = spawn(program, ['--headless=new', '--no-sandbox', '--remote-debugging-pipe', '--no-first-run',
-            '--disable-extensions', '--hide-scrollbars', `--user-data-dir=${this.folder}`, 'about:blank'],
+            '--disable-extensions', '--hide-scrollbars', `--user-data-dir=${this.folder}`, ...flags, 'about:blank'],
             {stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe']});
         this.answers = new Map();
         this.lastId = 0;

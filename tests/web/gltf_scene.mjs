@@ -32,7 +32,7 @@ export class GltfScene {
         const scene = new GltfScene();
         scene.server = serve(roots);
         await new Promise(ready => scene.server.listen(0, '127.0.0.1', ready));
-        scene.browser = new Browser(chromium);
+        scene.browser = new Browser(chromium, ['--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader']);
         await scene.browser.open(`http://127.0.0.1:${scene.server.address().port}/`);
         await scene.browser.until('!!window.draw', 'the page loads', 60);
         return scene;

@@ -43,6 +43,9 @@ function makeFiles() {
     tessera('bake', 'composed', '-o', 'single.tess', '--proxy', 'mesh', '--density', '6', '--directions', '8x8',
             '--angular-map', 'octahedral-hemisphere', '--spp', '1', '--effort', '0', '-q');
     tessera('convert', 'single.tess', '-o', 'single.glb', '-q');
+    tessera('bake', 'composed', '-o', 'mirrored.tess', '--proxy', 'mesh', '--density', '6', '--directions', '8x8',
+            '--angular-map', 'octahedral-mirrored', '--spp', '1', '--effort', '0', '-q');
+    tessera('convert', 'mirrored.tess', '-o', 'mirrored.glb', '-q');
     const glb = fs.readFileSync(at('layered.glb'));
     fs.writeFileSync(at('damaged.glb'), changedGlb(glb, (json, chunk) => {
         const {byteOffset, byteLength} = json.bufferViews[extensionOf(json).bufferView];
@@ -94,6 +97,22 @@ const tests = {
                 assert(share >= near, `${share} of the pixels are equal`);
                 assert(shown.materials.every(type => type === 'RawShaderMaterial' || type === 'ShaderMaterial'));
             }
+    },
+    async 'the node material draws the same with WebGPU and WebGL2'() {
+        for (const angularMap of ['hemisphere', 'mirrored'])
+            for (const [engine, backend] of [['threeWebgpu', 'WebGPU'], ['threeNodes', 'WebGL2']]) {
+                const name = angularMap === 'mirrored' ? 'mirrored' : 'single', view = views.single;
+                const png = reference(name, view);
+                const [picture, shown] = await draw(engine, `${name}.glb`, true, view, [...png.pixels.subarray(0, 3)]);
+                assert.deepEqual(shown.warnings, []);
+                assert.equal(shown.backend, backend);
+                const {share, psnr} = compared(picture, png);
+                console.log(`   ${name}, ${backend}: ${(100 * share).toFixed(2)} % of the pixels, ${psnr.toFixed(1)} dB`);
+                assert(share >= near, `${share} of the pixels are equal`);
+                assert(shown.materials.every(type => type === 'MeshBasicNodeMaterial'), shown.materials);
+            }
+        const [, {warnings}] = await draw('threeNodes', 'layered.glb', true, views.layered);
+        assert.match(warnings[0], /has layers: use WebGLRenderer; the picture is shown instead/);
     },
     async 'meshes may be compressed'() {
         for (const engine of ['three', 'babylon']) {

@@ -16,6 +16,30 @@ process.on('exit', () => fs.rmSync(scratch, {recursive: true, force: true}));
 // The package contains exactly the files to publish, and its name resolves.
 const about = JSON.parse(fs.readFileSync(path.join(folder, 'package.json'), 'utf8'));
 assert.deepEqual(fs.readdirSync(folder).sort(), [...about.files, 'package.json'].sort());
+
+// WebGPU: the shaders are there, and node has no device. The module prepares tiles: all of a file are in one batch.
+{
+    const shaders = fs.readdirSync(path.join(folder, 'wgsl'), {recursive: true}).filter(name => name.endsWith('.wgsl'));
+    assert.equal(shaders.length, 14);
+    const {openGpu, GpuDecoder} = await import(pathToFileURL(path.join(folder, 'tessera_webgpu.js')));
+    assert.equal(await openGpu(() => ''), null);
+    const written = [], lost = new Promise(() => {});
+    globalThis.GPUBufferUsage = {STORAGE: 128, COPY_SRC: 4, COPY_DST: 8, INDIRECT: 256, MAP_READ: 1};
+    globalThis.GPUTextureUsage = {};
+    const device = {lost, pushErrorScope() {}, popErrorScope: async () => null, createTexture: () => ({destroy() {}}),
+        limits: {maxStorageBufferBindingSize: 1000, maxTextureDimension2D: 8192}, createBuffer: ({size}) => ({size}),
+        queue: {writeBuffer: (...what) => written.push(what)}};
+    const {loadTessera} = await import(pathToFileURL(path.join(folder, 'tessera.js')));
+    const codec = await loadTessera(fs.readFileSync(path.join(folder, 'tessera_webgpu.wasm')));
+    const golden = new URL('../golden/rgba8.tess', import.meta.url), file = codec.openBytes(fs.readFileSync(golden));
+    const box = file.info.gridSize.flatMap(n => [0, n]);
+    const small = new GpuDecoder(device, () => '');
+    await assert.rejects(small.decode(file, box), /a batch needs a buffer of \d+ bytes, but this device allows only 1000/);
+    device.limits = {maxStorageBufferBindingSize: 1 << 27, maxTextureDimension2D: 50};
+    await assert.rejects(small.decode(file, box), /needs a texture of 96x72 pixels, but this device allows only 50/);
+    await assert.rejects(small.decode(file, [0, 99, 0, 1, 0, 1, 0, 1]), /does not lie inside/);
+    assert.equal(written.length, 1); // the tables, once
+}
 fs.cpSync(folder, path.join(scratch, 'node_modules', about.name), {recursive: true});
 fs.writeFileSync(path.join(scratch, 'user.mjs'), `
     import fs from 'node:fs';

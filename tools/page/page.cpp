@@ -1,5 +1,6 @@
 #include "tools/page/page.h"
 
+#include "decoder_glsl/shader_source.h"
 #include "tools/page/gzip.h"
 #include "tools/support/html_text.h"
 #include "tools/web/web_files.h"
@@ -72,6 +73,11 @@ Status append_base64(ByteSource& file, const PageSink& append) {
     return {};
 }
 
+// Files that pages fetch only where the browser has WebGPU.
+bool is_for_webgpu(std::string_view name) {
+    return name.starts_with("tessera_webgpu.") || name == "gpu_worker.js";
+}
+
 struct Kit {
     std::string page;                // page.html
     std::vector<std::byte> packed;   // the other files, gzip
@@ -88,7 +94,7 @@ Result<Kit> make_kit() {
             kit.page = without_comments(text_of(file.bytes));
         } else if (file.name == "tessera.wasm.gz") {
             kit.wasm = file.bytes;
-        } else {
+        } else if (!is_for_webgpu(file.name)) {
             const std::string text = without_comments(text_of(file.bytes));
             lengths[std::string(file.name)] = text.size();
             all += text;
@@ -113,6 +119,24 @@ template <class Put> Status fill(std::string_view page, const PageSink& append, 
         TESSERA_TRY(put(page.substr(at + 2, end - at - 2)));
         page.remove_prefix(end + 2);
     }
+}
+
+// A shader such as "half_predicted/texels.comp.wgsl": the folder names macros.
+std::optional<ViewerPart> shader_part(std::string_view name) {
+    const std::size_t slash = name.find('/');
+    if (slash == name.npos || !name.ends_with(".wgsl"))
+        return std::nullopt;
+    const std::string_view folder = name.substr(0, slash);
+    std::vector<ShaderDefine> defines;
+    if (folder.starts_with("half"))
+        defines.emplace_back("TSR_OUTPUT_HALF", "1");
+    if (folder.ends_with("_predicted"))
+        defines.emplace_back("TSR_PREDICTED_TILES", "1");
+    const std::string file(name.substr(slash + 1, name.size() - slash - 6));
+    auto source = shader_source(file + ".glsl", ShaderDialect::wgsl, defines);
+    if (!source.ok())
+        return std::nullopt;
+    return ViewerPart{"text/plain", std::move(*source), false};
 }
 
 using PageValues = std::vector<std::pair<std::string_view, std::string>>;
@@ -160,6 +184,18 @@ Result<std::string> make_server_page() {
     TESSERA_TRY(fill(kit.page, append,
                      [&](std::string_view name) { return append_value(values, name, append); }));
     return page;
+}
+
+std::optional<ViewerPart> viewer_part(std::string_view name) {
+    if (name.starts_with("wgsl/"))
+        return shader_part(name.substr(5));
+    const bool is_wasm = name.ends_with(".wasm");
+    const std::string stored = std::string(name) + (is_wasm ? ".gz" : "");
+    for (const WebFile& file : web_files())
+        if (file.name == stored && is_for_webgpu(name))
+            return ViewerPart{is_wasm ? "application/wasm" : "text/javascript",
+                              std::string(text_of(file.bytes)), is_wasm};
+    return std::nullopt;
 }
 
 } // namespace tessera

@@ -4,10 +4,12 @@
 
 #include "format/byte_source.h"
 #include "format/status.h"
+#include "tools/server/file_server.h"
 
 #include <cstddef>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,5 +35,8 @@ Status write_page(const PageContents& contents, const PageSink& append);
 // The page for a server. It shows the file NAME.tess beside it if its URL ends in ?f=NAME.tess.
 // Errors: as above.
 Result<std::string> make_server_page();
+
+// A file that the server page fetches where the browser has WebGPU. `name`: such as "gpu_worker.js" or "wgsl/half/texels.comp.wgsl". Nothing if there is no such file.
+std::optional<ViewerPart> viewer_part(std::string_view name);
 
 } // namespace tessera

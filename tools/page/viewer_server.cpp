@@ -64,6 +64,7 @@ FileServerOptions folder_with_viewer(const std::string& folder) {
     options.folder = folder;
     if (auto page = make_server_page(); page.ok()) {
         options.viewer = std::move(*page);
+        options.viewer_part = viewer_part;
         options.view_data = [kept = std::make_shared<KeptViewData>()](const std::string& file) {
             return kept->of(file);
         };

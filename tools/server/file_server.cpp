@@ -132,6 +132,17 @@ void answer_view_data(const FileServerOptions& options, const fs::path& path,
         response.set_content(data.status().message() + "\n", "text/plain");
 }
 
+void answer_viewer_part(const FileServerOptions& options, const std::string& name,
+                        httplib::Response& response) {
+    const auto part = options.viewer_part(name);
+    response.status = part ? 200 : 404;
+    if (!part)
+        return response.set_content("The viewer has no such file.\n", "text/plain");
+    if (part->is_gzip)
+        response.set_header("Content-Encoding", "gzip");
+    response.set_content(part->content, part->type);
+}
+
 // Like find_served(), but with `only` set it finds that file alone.
 std::optional<fs::path> find_allowed(const FileServerOptions& options, const fs::path& root,
                                      const std::string& path) {
@@ -149,6 +160,8 @@ void answer(const FileServerOptions& options, const fs::path& root, const httpli
         return answer_view_data(options, *path, response);
     if (path && !fs::is_directory(*path))
         return answer_file(*path, request, ranges, response);
+    if (path && options.viewer_part && request.has_param("viewer"))
+        return answer_viewer_part(options, request.get_param_value("viewer"), response);
     if (!path) {
         response.status = 404;
         response.set_content("There is no such file.\n", "text/plain");

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,13 @@ struct ServedRequest {
     std::string method, path, range; // range: the text of the field Range, may be empty
     int status = 0;
     std::uint64_t bytes = 0; // of the body
+};
+
+// A file that belongs to the viewer.
+struct ViewerPart {
+    std::string type; // MIME
+    std::string content;
+    bool is_gzip = false; // of `content`
 };
 
 struct FileServerOptions {
@@ -31,6 +39,8 @@ struct FileServerOptions {
     std::string viewer;
     // Returns what that page requests as NAME.tess?view: what it needs besides the texels.
     std::function<Result<std::vector<std::byte>>(const std::string& path)> view_data;
+    // Returns what that page requests as ?viewer=NAME beside it; nothing if there is no such file.
+    std::function<std::optional<ViewerPart>(const std::string& name)> viewer_part;
     // Called after each answer, from several threads.
     std::function<void(const ServedRequest&)> log;
 };

@@ -39,6 +39,13 @@ function(tessera_wasm_sources variable)
     set(${variable} ${all} ${own} ${PROJECT_SOURCE_DIR}/tools/view/layer_files.cpp PARENT_SCOPE)
 endfunction()
 
+# Sets `variable` to the further sources of the decoder that uses WebGPU.
+function(tessera_webgpu_sources variable)
+    set(batch ${PROJECT_SOURCE_DIR}/decoder_glsl/batch)
+    set(${variable} ${CMAKE_CURRENT_SOURCE_DIR}/webgpu/batches.cpp ${batch}/decode_batch.cpp
+        ${batch}/decode_tables.cpp ${batch}/plain_pixels.cpp ${batch}/tree_size.cpp PARENT_SCOPE)
+endfunction()
+
 # tessera_wasm(OUTPUT source...) builds a module. Sources with equal options are compiled as one source, like with
 # CMAKE_UNITY_BUILD. Optimisation at link time makes the packed module 3 % smaller.
 function(tessera_wasm output)
@@ -49,7 +56,7 @@ function(tessera_wasm output)
         -fvisibility=hidden -I${PROJECT_SOURCE_DIR}
         -include ${PROJECT_SOURCE_DIR}/tools/web/decoder/threads.h)
     # Code that runs once per file or once per tile is optimised for size.
-    set(small format format/io format/container codec/texels codec/decode tools/view)
+    set(small format format/io format/container codec/texels codec/decode tools/view tools/web/webgpu decoder_glsl/batch)
     set(small_files code_tables coding_parameters dct_basis default_parameters payload prediction scan_order sine_basis
         tile_coding exports facts ranged_bytes)
     set(text_Oz)
@@ -65,7 +72,8 @@ function(tessera_wasm output)
         string(APPEND text_${level} "#include \"${source}\"\n")
     endforeach()
     set(objects)
-    set(work ${CMAKE_CURRENT_BINARY_DIR}/wasm)
+    get_filename_component(work ${output} NAME_WE)
+    set(work ${CMAKE_CURRENT_BINARY_DIR}/wasm/${work})
     foreach(level Oz O2)
         file(CONFIGURE OUTPUT ${work}/${level}.cpp CONTENT "${text_${level}}" @ONLY)
         add_custom_command(OUTPUT ${work}/${level}.o

@@ -15,8 +15,10 @@ function longestSide() {
     return side;
 }
 
-// wasm: as for loadTessera(). warn(text) is called with a sentence for each texture that is replaced.
-export function tesseraGltf(THREE, wasm, warn = text => console.warn(text)) {
+// wasm: as for loadTessera(). warn(text) is called with a sentence for each texture that is replaced. materialOf(surface)
+// makes another material than the one for WebGLRenderer.
+export function tesseraGltf(THREE, wasm, warn = text => console.warn(text),
+                            materialOf = surface => surfaceMaterial(THREE, surface)) {
     const textures = new GltfTextures(wasm);
     return parser => ({
         name: GLB_EXTENSION,
@@ -26,7 +28,7 @@ export function tesseraGltf(THREE, wasm, warn = text => console.warn(text)) {
             const readView = async view => new Uint8Array(await parser.getDependency('bufferView', view));
             return textures.surface(parser.json, index, readView, longestSide())
                 .then(surface => {
-                    const material = surfaceMaterial(THREE, surface);
+                    const material = materialOf(surface);
                     material.name = parser.json.materials[index].name ?? '';
                     return material;
                 })

@@ -1,7 +1,7 @@
 // Runs in workers together with tessera.js and slot_layout.js. It opens the file with its layers and decodes tiles to
 // pixels of slots.
 
-function startTileWorker() {
+function startTileWorker(load = loadTessera) {
     let file, layers = []; // of each layer: its file, then what "prepare" says about it
     const reads = new Map();
     let lastRead = 0;
@@ -16,7 +16,7 @@ function startTileWorker() {
 
     const jobs = {
         async open({wasm, bytes, size}) {
-            const codec = await loadTessera(wasm);
+            const codec = await load(wasm);
             file = bytes ? codec.openBytes(bytes) : await codec.openSource({size, read: readFromPage});
             const {scale, lights, further} = await file.fetchLayers();
             layers = [{file}, ...further];

@@ -27,6 +27,9 @@ class Viewer {
         this.listen();
         await this.showCoarse();
         this.change();
+        // Pages without a server, and servers without these files, decode by WebAssembly alone.
+        if (this.source && navigator.gpu)
+            import(new URL('?viewer=gpu_worker.js', location)).then(gpu => gpu.join(this)).catch(() => {});
     }
 
     context() {

@@ -13,8 +13,8 @@ class Workers {
         this.workers = [this.start()];
     }
 
-    start() {
-        const worker = {thread: new Worker(this.address), busy: 0};
+    start(address = this.address) {
+        const worker = {thread: new Worker(address), busy: 0};
         worker.thread.onmessage = ({data}) => data.read ? this.read(worker, data) : this.answered(worker, data);
         worker.thread.onerror = event => this.broken(event.message || 'a worker failed to start');
         return worker;
@@ -37,8 +37,9 @@ class Workers {
 
     // Sends a job of type "prepare" to all workers.
     async prepare(job) {
+        this.prepared = {job: 'prepare', ...job};
         await this.opened;
-        await Promise.all(this.workers.map(worker => this.job(worker, {job: 'prepare', ...job})));
+        await Promise.all(this.workers.map(worker => this.job(worker, this.prepared)));
     }
 
     get idle() {
