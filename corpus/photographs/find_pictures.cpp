@@ -16,6 +16,7 @@ constexpr const char* is_scaled =
     "the picture is a scaled one of the size that the camera states, so the camera is scaled, too";
 constexpr const char* is_turned = "the picture has the camera's size only when it is turned as its "
                                   "EXIF metadata states, so it is";
+constexpr const char* has_no_mask = "a photograph has no mask, so all of its pixels count";
 constexpr const char* is_surplus = "the picture belongs to no frame";
 
 constexpr std::array picture_suffixes = {".png", ".jpg", ".jpeg", ".exr", ".webp", ".tif", ".tiff"};
@@ -55,6 +56,32 @@ fs::path picture_of(const std::string& name, const StatedFrames& stated,
                 return with_suffix.lexically_normal();
     }
     return places.front().lexically_normal();
+}
+
+// Where COLMAP looks for the mask of a picture, or the same without the folders of its name.
+fs::path mask_of(const PosedPhotograph& photograph, const std::string& folder) {
+    const std::string file = fs::path(photograph.path).filename().string() + ".png";
+    const fs::path place = fs::path(folder) / fs::path(photograph.name).parent_path() / file;
+    const fs::path beside = fs::path(folder) / file;
+    return (!is_file(place) && is_file(beside) ? beside : place).lexically_normal();
+}
+
+// Gives the photographs the masks of the folder.
+Status take_masks(const std::string& folder, PhotographSet& set, NoteCounts& notes) {
+    bool any = false;
+    for (PosedPhotograph& photograph : set.photographs) {
+        const std::string mask = mask_of(photograph, folder).string();
+        if (is_file(mask)) {
+            photograph.mask_path = mask;
+            any = true;
+        } else if (photograph.mask_path.empty()) {
+            notes.add(has_no_mask, mask);
+        }
+    }
+    if (!any)
+        return {ErrorCode::bad_argument, folder + ": has no mask of any photograph, such as " +
+                                             mask_of(set.photographs.front(), folder).string()};
+    return {};
 }
 
 Result<PictureShape> shape_of_picture(const std::string& path, Exif exif) {
@@ -189,6 +216,8 @@ Result<PhotographSet> find_pictures(const std::string& path, StatedFrames stated
                                                    std::to_string(stated.frames.size()) +
                                                    " pictures exists, such as " + first_missing +
                                                    "; --images names their folder");
+    if (!options.masks.empty())
+        TESSERA_TRY(take_masks(options.masks, set, notes));
     if (options.with_pictures)
         note_surplus(set, notes);
     set.notes = std::move(stated.notes);

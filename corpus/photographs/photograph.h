@@ -30,6 +30,9 @@ struct PosedPhotograph {
 
 struct PhotographOptions {
     std::string images; // the folder of the pictures; empty: where the description says they are
+    // A folder with masks as COLMAP's mask_path: that of r_0.png is r_0.png.png. They replace those
+    // that the description states. Empty: only those.
+    std::string masks;
     // Without pictures, only those are opened whose cameras state no size. Frames whose pictures are
     // missing stay.
     bool with_pictures = true;
@@ -44,8 +47,8 @@ struct PhotographNote {
 
 struct PhotographSet {
     std::vector<PosedPhotograph> photographs; // in the order of the description; at least one
-    // Missing, surplus, repeated, scaled and turned pictures, and transformations of the world that
-    // the description states.
+    // Missing, surplus, repeated, scaled and turned pictures, missing masks, and transformations of
+    // the world that the description states.
     std::vector<PhotographNote> notes;
 };
 
@@ -59,7 +62,7 @@ struct PhotographSet {
 // The world's frame is that of the file and is never changed.
 //
 // Errors name the file and the frame: io, bad_argument (no description in the folder, no picture
-// exists), invalid_file (damaged; no frames; numbers that are not finite or not positive; matrices
+// exists, no mask in options.masks), invalid_file (damaged; no frames; numbers that are not finite or not positive; matrices
 // that mirror, scale or skew, or are transposed; a size that the picture does not have; a distortion
 // that folds the picture), unsupported (fisheye lenses, other camera models of COLMAP, rolling
 // shutters, too large pictures, more than most_photographs frames).

@@ -127,6 +127,26 @@ TEST_F(Colmap, ReadsBinaryBeforeText) {
     expect_both_images(folder_.string());
 }
 
+TEST_F(Colmap, FindsMasks) {
+    write(cameras_text, images_text, ".txt");
+    const std::string masks = (folder_ / "masks").string();
+    const auto none = read_photographs(folder_.string(), {.masks = masks});
+    ASSERT_FALSE(none.ok());
+    EXPECT_EQ(none.status().message(),
+              masks + ": has no mask of any photograph, such as " + masks + "/a b.jpg.png");
+
+    std::filesystem::create_directories(folder_ / "masks" / "sub");
+    spit(folder_ / "masks" / "sub" / "c.jpg.png", test::plain_ppm(8, 6, "abc"));
+    const auto one = read_photographs(folder_.string(), {.masks = masks});
+    ASSERT_TRUE(one.ok()) << one.status().message();
+    EXPECT_EQ(one->photographs[0].mask_path, "");
+    EXPECT_EQ(one->photographs[1].mask_path, masks + "/sub/c.jpg.png");
+    ASSERT_EQ(one->notes.size(), 1u);
+    EXPECT_EQ(one->notes[0].kind, "a photograph has no mask, so all of its pixels count");
+    EXPECT_EQ(one->notes[0].place, masks + "/a b.jpg.png");
+    EXPECT_EQ(one->notes[0].count, 1u);
+}
+
 TEST_F(Colmap, RefusesDamagedText) {
     const std::string image = "1 1 0 0 0 0 0 0 1 a b.jpg\n\n";
     const auto expect_camera = [&](const std::string& line, const std::vector<std::string>& words,

@@ -88,6 +88,8 @@ TEST_F(FitCli, RefusesCamerasThatDoNotSeeTheMesh) {
     fail(1, "fit transforms.json --surface sphere --radius 9 -o x.tess",
          {"transforms.json", "frame 'photos/p10'", "inside the sphere"});
     fail(1, "fit transforms.json --surface planar -o x.tess", {"transforms.json", "window"});
+    fail(1, "fit transforms.json --mesh cube.obj -o x.tess --masks masks",
+         {"masks: has no mask of any photograph", "p10.png.png"});
     fail(2, "fit missing.json --mesh cube.obj -o x.tess", {"missing.json"});
 }
 

@@ -6,6 +6,7 @@
 #include "tests/support/rendering.h"
 #include "tools/verbs/command.h"
 #include "tools/view/texel_cache.h"
+#include "tools/view/view_drawing.h"
 #include "tools/view/view_file.h"
 #include "tools/view/view_renderer.h"
 #include "tools/view/view_report.h"
@@ -44,6 +45,41 @@ private:
 View truth_view(const std::string& scene, const Camera& camera, unsigned samples,
                 const SphereWindow& window = paper_window) {
     return view_of(*make_truth_renderer(*corpus::make_scene(scene), window, samples, {}), camera);
+}
+
+// Where the rays of a pixel cross the picture: the mean, and the mean square of the distance from it
+// along x and y.
+std::array<glm::dvec3, 2> spread_of_rays(const RenderOptions& options) {
+    const Camera camera = camera_at(aslant, {40, 64, 48});
+    std::array<glm::dvec3, 2> moments{};
+    for (const bool second : {false, true}) {
+        const auto mean = mean_of_rays(
+            camera, 50, 7, options, [&](const glm::dvec3& direction) -> Result<glm::dvec3> {
+                const glm::dvec3 d = direction / glm::dot(direction, camera.forward);
+                const glm::dvec3 at{
+                    32.0 * (1.0 + glm::dot(d, camera.right) / glm::dot(camera.right, camera.right)),
+                    24.0 * (1.0 - glm::dot(d, camera.up) / glm::dot(camera.up, camera.up)), 0.0};
+                return second ? (at - moments[0]) * (at - moments[0]) : at;
+            });
+        EXPECT_TRUE(mean.ok());
+        moments[second ? 1 : 0] = *mean;
+    }
+    return moments;
+}
+
+TEST(RaysOfAPixel, LieAroundItsCentre) {
+    RenderOptions options;
+    for (const unsigned rays : {1u, 2u, 3u, 4u, 5u, 16u, 64u}) {
+        options.rays = rays;
+        options.filter = {};
+        expect_near(spread_of_rays(options)[0], {50.5, 7.5, 0.0}, 1e-9);
+        options.filter = *corpus::PixelFilter::parse("blackman-harris");
+        expect_near(spread_of_rays(options)[0], {50.5, 7.5, 0.0}, 1e-9);
+    }
+    // A square of one pixel has a variance of 1/12.
+    options.filter = {};
+    options.rays = 64;
+    expect_near(spread_of_rays(options)[1], {1.0 / 12, 1.0 / 12, 0.0}, 0.005);
 }
 
 TEST(TextureRenderer, DrawsLazilyBakedTexturesTheSame) {

@@ -1,12 +1,13 @@
 """Renders a Blender scene as input for `tessera encode` (tools/README.md). Runs Cycles without a window:
     blender -b x.blend -P blender_views.py -- planar OUT/ 9x9 SPACING FOCUS WIDTHxHEIGHT
     blender -b x.blend -P blender_views.py -- sphere OUT.exr UxVxSxT RADIUS
-    blender -b x.blend -P blender_views.py -- photos OUT/ TRAIN TEST WIDTHxHEIGHT DISTANCE
+    blender -b x.blend -P blender_views.py -- photos OUT/ TRAIN TEST WIDTHxHEIGHT DISTANCE [LOWEST]
 planar renders a grid of cameras around the camera of the scene and writes one PNG per view to OUT/. SPACING is the
 distance between neighbouring cameras. Objects at distance FOCUS are at the same pixels in all views.
 sphere renders the light that leaves a sphere around the origin and writes it as an EXR mosaic.
 photos renders TRAIN and TEST photographs from all around the meshes, DISTANCE from their middle, and writes them with
 their cameras as NeRF-synthetic does (OUT/transforms_train.json, OUT/train/r_0.png, ...), and the meshes to OUT/mesh.obj.
+No camera is less than LOWEST degrees above the horizon: -90 by default, 0 for what stands on a table.
 Lengths are in Blender's units. Blender's z axis is Tessera's y axis."""
 import bpy, json, math, os, sys, tempfile
 from mathutils import Matrix, Vector
@@ -60,7 +61,7 @@ def sphere(out, size, radius):
     whole.pixels, whole.filepath_raw, whole.file_format = mosaic, out, 'OPEN_EXR'
     whole.save()
 
-def photos(out, train, test, size, distance):
+def photos(out, train, test, size, distance, lowest='-90'):
     (width, height), camera = map(int, size.split('x')), scene.camera.data
     meshes = [thing for thing in scene.objects if thing.type == 'MESH']
     corners = [thing.matrix_world @ Vector(corner) for thing in meshes for corner in thing.bound_box]
@@ -68,10 +69,11 @@ def photos(out, train, test, size, distance):
     camera.sensor_fit, camera.shift_x, camera.shift_y = 'HORIZONTAL', 0, 0
     scene.render.film_transparent = True  # alpha is the coverage
     scene.view_settings.view_transform = 'Standard'  # plain sRGB
+    part = 1 - math.sin(math.radians(float(lowest)))
     for name, count, turn in (('train', int(train), 0), ('test', int(test), 1)):
         frames = []
-        for i in range(count):  # a spiral of even steps over the whole sphere
-            z, angle = 1 - (2 * i + 1) / count, i * math.pi * (3 - math.sqrt(5)) + turn
+        for i in range(count):  # a spiral of even steps over the sphere
+            z, angle = 1 - (i + 0.5) / count * part, i * math.pi * (3 - math.sqrt(5)) + turn
             away = Vector((math.cos(angle) * math.sqrt(1 - z * z), math.sin(angle) * math.sqrt(1 - z * z), z))
             pose = Matrix.Translation(middle + away * float(distance)) @ away.to_track_quat('Z', 'Y').to_matrix().to_4x4()
             scene.camera.matrix_world = pose

@@ -64,7 +64,8 @@ Status check_fit(const FitCommand& a) {
 Status run(const FitCommand& a) {
     TESSERA_TRY(check_fit(a));
     Warnings warnings(a.encode.strict);
-    TESSERA_TRY_ASSIGN(auto set, corpus::read_photographs(a.photographs, {.images = a.images}));
+    TESSERA_TRY_ASSIGN(
+        auto set, corpus::read_photographs(a.photographs, {.images = a.images, .masks = a.masks}));
     for (const corpus::PhotographNote& note : set.notes)
         TESSERA_TRY(warnings.add(note.kind, note.place, note.count));
     const SplitPhotographs photographs = split(std::move(set.photographs), a.hold_out);
@@ -92,6 +93,10 @@ void declare(CLI::App& c, FitCommand& a) {
     c.add_flag("--y-up", a.y_up,
                "Turn a model with y up, as glTF has it, to cameras with z up, as Blender has them");
     c.add_option("--images", a.images, "Folder of the pictures. Default: where the cameras say")
+        ->option_text("FOLDER");
+    c.add_option("--masks", a.masks,
+                 "Folder of COLMAP's masks, NAME.png for the picture NAME: what is black does not "
+                 "count")
         ->option_text("FOLDER");
     c.add_option("--hold-out", a.hold_out,
                  "Keep every Nth photograph out of the fit and compare it with the result")

@@ -18,7 +18,7 @@ namespace tessera {
 struct FitCommand {
     std::string photographs, mesh, output;
     std::string surface; // sphere or planar; empty: the mesh
-    std::string images, background, pixel_filter;
+    std::string images, masks, background, pixel_filter;
     std::string centre; // of the sphere, "x,y,z"
     std::string unseen; // fill or dont-care; empty: fill
     std::optional<double> radius, focus;

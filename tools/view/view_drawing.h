@@ -11,20 +11,21 @@
 namespace tessera {
 
 // The mean of ray(direction), which returns Result<glm::dvec3>, over options.rays rays through pixel
-// (i, j), distributed as options.filter weighs them. The first ray goes through the pixel's centre. The rays follow the additive recurrence of
-// the plastic number (Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018),
-// which spreads any number of rays evenly.
+// (i, j), distributed as options.filter weighs them. The rays follow the additive recurrence of the
+// golden ratio and of the root of 3, which spreads any number of rays evenly. They are symmetric about
+// the pixel's centre: rays that lie to one side on average would draw the whole picture shifted to the
+// other side.
 template <class Ray>
 Result<glm::dvec3> mean_of_rays(const Camera& camera, std::uint32_t i, std::uint32_t j,
                                 const RenderOptions& options, const Ray& ray) {
-    constexpr double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
-    glm::dvec3 sum{0.0};
-    const auto place = [&options](std::uint32_t pixel, double x) {
-        return options.filter.is_default() ? pixel + x - std::floor(x)
-                                           : pixel + options.filter.place(x - std::floor(x));
+    constexpr double step_x = 0.618033988749895, step_y = 0.732050807568877;
+    const double middle = 0.5 * (options.rays - 1.0);
+    const auto place = [&](std::uint32_t pixel, double x) {
+        return pixel + options.filter.place(x - std::floor(x));
     };
+    glm::dvec3 sum{0.0};
     for (unsigned k = 0; k < options.rays; ++k) {
-        const double x = 0.5 + k * step_x, y = 0.5 + k * step_y;
+        const double x = 0.5 + (k - middle) * step_x, y = 0.5 + (k - middle) * step_y;
         TESSERA_TRY_ASSIGN(const glm::dvec3 colour,
                            ray(camera.direction(place(i, x), place(j, y))));
         sum += colour;

@@ -1,7 +1,8 @@
 // Draws the surface with one or more rays per pixel, and finds the tiles that a view needs.
 
-// The offset of ray k from the centre of its pixel, as in tools/view/view_drawing.h. Ray 0 hits the centre.
-const rayShift = k => [0.7548776662466927, 0.5698402909980532].map(step => (0.5 + k * step) % 1 - 0.5);
+// The offset of ray k of n from the centre of its pixel, as in tools/view/view_drawing.h, from the middle outwards.
+const rayShift = (k, n) => [0.618033988749895, 0.732050807568877].map(
+    step => ((k % 2 ? -k - n % 2 : k + 1 - n % 2) / 2 * step + n + 0.5) % 1 - 0.5);
 
 const linearOf = x => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
 
@@ -40,7 +41,7 @@ class Renderer {
         gl.clearBufferfv(gl.COLOR, 0, this.blends ? this.surface.outside.map(linearOf) : this.surface.outside);
         if (this.surface.hasDepth)
             gl.clearBufferfv(gl.DEPTH, 0, [1]);
-        this.drawSurface(this.drawing, view, rayShift(k), view.rays);
+        this.drawSurface(this.drawing, view, rayShift(k, view.rays), view.rays);
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
         this.resolving.use(
             {rays: {texture: this.rays, target: gl.TEXTURE_2D_ARRAY}, count: k + 1,

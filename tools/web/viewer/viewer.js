@@ -262,7 +262,7 @@ class Viewer {
         } else if (this.searched === 'roughly' && !this.moving && !loader.busy) {
             this.counts = new Map(this.counts);
             for (let corner = 0; corner < 8; ++corner)
-                renderer.tilesOf(view, 1, corner, rayShift(corner % view.rays)).forEach(
+                renderer.tilesOf(view, 1, corner, rayShift(corner % view.rays, view.rays)).forEach(
                     (count, tile) => this.counts.set(tile, (this.counts.get(tile) || 0) + count));
             if (!loader.full)
                 loader.want(this.counts);
