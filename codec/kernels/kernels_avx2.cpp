@@ -5,6 +5,7 @@
 
 #ifdef __AVX2__
 #include <immintrin.h>
+#include <type_traits>
 
 namespace tessera {
 namespace {
