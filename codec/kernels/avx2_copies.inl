@@ -67,12 +67,7 @@ void put_rows(const std::int32_t* in, int shift, const BlockTarget& to, Size n) 
 }
 
 void put_block_avx2(const std::int32_t* in, int shift, const BlockTarget& to) {
-    if (to.n[0] == 4)
-        put_rows(in, shift, to, std::integral_constant<int, 4>());
-    else if (to.n[0] == 8)
-        put_rows(in, shift, to, std::integral_constant<int, 8>());
-    else
-        put_rows(in, shift, to, to.n[0]);
+    with_side(to.n[0], [&](auto n) { put_rows(in, shift, to, n); });
 }
 
 __m256i sum_of(__m256i a, __m256i b) {

@@ -29,15 +29,10 @@ __m256i combine_lanes(__m256i high, __m256i low, __m256i dc) {
 
 // Calls run(support, n), both as constants if all frequencies of a common size are coded.
 template <class Run> void with_sizes(int support, int n, Run run) {
-    if (support == n) {
-        if (n == 4)
-            return run(std::integral_constant<int, 4>(), std::integral_constant<int, 4>());
-        if (n == 8)
-            return run(std::integral_constant<int, 8>(), std::integral_constant<int, 8>());
-        if (n == 16)
-            return run(std::integral_constant<int, 16>(), std::integral_constant<int, 16>());
-    }
-    run(support, n);
+    if (support == n)
+        with_side(n, [&](auto size) { run(size, size); });
+    else
+        run(support, n);
 }
 
 // Transforms eight columns. load_any(k) reads frequency k of them; store(x, value) writes output x.

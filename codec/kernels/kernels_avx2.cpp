@@ -16,6 +16,18 @@ __m256i lane_mask(int count) {
     return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), index);
 }
 
+// Calls run(n) with a constant if n is the side of most blocks, so that loops are unrolled.
+template <class Run> void with_side(int n, Run run) {
+    if (n == 4)
+        run(std::integral_constant<int, 4>());
+    else if (n == 8)
+        run(std::integral_constant<int, 8>());
+    else if (n == 16)
+        run(std::integral_constant<int, 16>());
+    else
+        run(n);
+}
+
 // Stores the first `count` lanes, at most 8. Masked stores are slow on AMD's Zen.
 inline void store_lanes(std::int32_t* to, __m256i x, int count) {
     if (count >= lanes) {
