@@ -40,18 +40,30 @@ public:
     // Marks a coefficient of this amplitude. Neighbours along an axis get it twice; diagonal ones
     // in the planes (u,s) and (v,t) and forward ones in (u,v) and (s,t) get it once.
     void mark(const ScanContext& at, std::uint32_t amplitude) const {
-        const auto once = static_cast<std::uint16_t>(amplitude_of(amplitude_code(amplitude)));
+        if (is_flat_)
+            mark<true>(at, amplitude);
+        else
+            mark<false>(at, amplitude);
+    }
+    // The same, if the caller knows whether the block has one view.
+    template <bool flat> void mark(const ScanContext& at, std::uint32_t amplitude) const {
+        const auto once = static_cast<std::uint16_t>(rounded_amplitude(amplitude));
         const auto twice = static_cast<std::uint16_t>(2 * once);
         std::uint16_t* cell = cell_ + at.place;
         const auto [u, v, s, t] = stride_;
         const auto add = [cell](int to, std::uint16_t value) {
             cell[to] = static_cast<std::uint16_t>(cell[to] + value);
         };
+        if constexpr (flat) {
+            constexpr int next = 1; // the stride of u
+            add(next, twice);
+            add(v, twice);
+            add(v + next, once);
+            return;
+        }
         add(u, twice);
         add(v, twice);
         add(u + v, once);
-        if (is_flat_)
-            return;
         add(s, twice);
         add(t, twice);
         for (const int diagonal : {u + s, u - s, s - u, v + t, v - t, t - v, s + t})
@@ -78,7 +90,7 @@ public:
     void forget_cross(const ScanContext& at) const { cell_[at.place] = 0; }
     // The code of the sum of `amplitude` and the amplitude with code `cross`.
     static int add_cross(int cross, std::uint32_t amplitude) {
-        return amplitude_code(amplitude_of(cross) + amplitude_of(amplitude_code(amplitude)));
+        return amplitude_code(amplitude_of(cross) + rounded_amplitude(amplitude));
     }
 
 protected:

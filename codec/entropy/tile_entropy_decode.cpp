@@ -4,7 +4,6 @@
 #include "format/tile/split_tree.h"
 
 #include <algorithm>
-#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -43,6 +42,7 @@ public:
             if (!rans_.ended_well())
                 return damaged(i, "stream does not end where it should");
         }
+        out_.nonzeros.resize(found_);
         return {};
     }
 
@@ -119,7 +119,7 @@ private:
             if (work_ > max_segment_work)
                 return false;
             PlaneLevels levels;
-            levels.first = static_cast<std::uint32_t>(out_.nonzeros.size());
+            levels.first = static_cast<std::uint32_t>(found_);
             levels.coded_length = static_cast<std::uint16_t>(length);
             out_.planes.push_back(levels);
             if (plane == 0) {
@@ -181,22 +181,33 @@ private:
         for_each_before([&](const NonZero& nz) {
             grid_.mark_cross(order.context[nz.index], amplitude_of_level(nz.level, dependent));
         });
-        const auto decode = plane == 0  ? dependent ? &LevelDecoder::decode_coefficients<true, 0>
-                                                    : &LevelDecoder::decode_coefficients<false, 0>
-                             : dependent ? &LevelDecoder::decode_coefficients<true, 1>
-                                        : &LevelDecoder::decode_coefficients<false, 1>;
+        const bool flat = is_picture(order.shape);
+        const auto decode = !dependent ? plane == 0
+                                             ? &LevelDecoder::decode_coefficients<false, 0, false>
+                                             : &LevelDecoder::decode_coefficients<false, 1, false>
+                            : flat ? plane == 0 ? &LevelDecoder::decode_coefficients<true, 0, true>
+                                                : &LevelDecoder::decode_coefficients<true, 1, true>
+                            : plane == 0 ? &LevelDecoder::decode_coefficients<true, 0, false>
+                                         : &LevelDecoder::decode_coefficients<true, 1, false>;
+        make_room(static_cast<std::size_t>(length));
         const bool is_well = (this->*decode)(length, copies, order);
-        const auto found = std::span(found_.get(), count_);
-        grid_.undo(order, length, found, for_each_before);
-        out_.nonzeros.insert(out_.nonzeros.end(), found.begin(), found.end());
-        levels.count = static_cast<std::uint16_t>(count_);
+        levels.count = static_cast<std::uint16_t>(found_ - levels.first);
+        grid_.undo(order, length, out_.levels(levels), for_each_before);
         return is_well;
     }
 
-    // Decodes `length` coefficients. The first count_ entries of found_ get those that are not
-    // zero. False if a level is out of range. Parsing spends nearly all its time on zeros, so the
-    // loop keeps what they need in local variables.
-    template <bool dependent, int p_class>
+    // Lets `more` levels follow those that were found. Levels are decoded in place, because copying
+    // them would take longer than setting them to 0 here, many at once.
+    void make_room(std::size_t more) {
+        if (out_.nonzeros.size() < found_ + more)
+            out_.nonzeros.resize(2 * (found_ + more));
+    }
+
+    // Decodes `length` coefficients and appends those that are not zero to the found ones. False if
+    // a level is out of range. Decoding spends a quarter of its time here, so the loop keeps what it
+    // needs in local variables. Files without dependent quantisation are rare and share one loop
+    // for blocks of one view (`flat`) and of several.
+    template <bool dependent, int p_class, bool flat>
     [[gnu::noinline]] bool decode_coefficients(int length, bool copies, const ScanOrder& order) {
         constexpr unsigned by_cross =
             zero_parameter(false, 0, 1, 0, 0, 1) - zero_parameter(false, 0, 1, 0, 0, 0);
@@ -205,39 +216,57 @@ private:
             return coding_.tables.zero.data() + zero_parameter(copies, quantiser, p_class, 0, 0, 0);
         };
         const std::uint16_t* const zeros[quantisers] = {zeros_of(0), zeros_of(1)};
+        const auto magnitudes_of = [&](int quantiser) {
+            return coding_.tables.magnitude.data() +
+                   magnitude_table(copies, quantiser, p_class, false, 0, 0);
+        };
+        const SymbolTable<magnitude_tokens>* const magnitudes[quantisers] = {magnitudes_of(0),
+                                                                             magnitudes_of(1)};
+        constexpr unsigned dc_tables = magnitude_table(false, 0, p_class, true, 0, 0) -
+                                       magnitude_table(false, 0, p_class, false, 0, 0);
         const ScanContext* const contexts = order.context.data();
         const ContextCells cells = grid_;
         RansDecoder rans = rans_;
-        std::size_t count = 0;
+        NonZero* found = out_.nonzeros.data() + found_;
         bool is_well = true;
-        int state = 0;
+        unsigned state = 0;
+        // DC has no neighbours and uses the size of the block instead, and tables of its own.
+        unsigned size = static_cast<unsigned>(size_class(order.shape)), own_tables = dc_tables;
         for (int i = 0; i < length; ++i) {
             const ScanContext& context = contexts[i];
-            const int neighbours = i == 0 ? size_class(order.shape) : cells.neighbours(context);
+            const unsigned neighbours = static_cast<unsigned>(cells.neighbours(context)) + size;
+            const unsigned first_table = own_tables;
+            size = 0;
+            own_tables = 0;
             const int cross = p_class == 0 ? 0 : cells.cross(context); // no planes before the first
-            const int quantiser = quantiser_of(state);
-            if (!rans.bit(
-                    zeros[quantiser][unsigned(cross) * by_cross + context.position * by_position +
-                                     unsigned(neighbours)])) {
+            const unsigned quantiser = state & 1;
+            if (!rans.bit(zeros[quantiser][unsigned(cross) * by_cross +
+                                           context.position * by_position + neighbours])) {
                 state = dependent ? next_state[state][0] : 0;
                 continue;
             }
-            const auto table = static_cast<std::size_t>(
-                magnitude_table(copies, quantiser, p_class, i == 0, neighbours, cross));
-            const std::int32_t magnitude =
-                take_magnitude(rans, coding_.tables.magnitude[table].decode(rans));
-            const std::int32_t level = dependent ? 2 * magnitude - quantiser : magnitude;
+            const unsigned table = p_class == 0 || first_table != 0
+                                       ? first_table + neighbours
+                                       : neighbours / 2 * magnitude_crosses +
+                                             static_cast<unsigned>(std::max(cross - 2, 0));
+            const auto magnitude = static_cast<std::uint32_t>(
+                take_magnitude(rans, magnitudes[quantiser][table].decode(rans)));
+            const std::uint32_t level = dependent ? 2 * magnitude - quantiser : magnitude;
             if (level > max_level) {
                 is_well = false;
                 break;
             }
-            const bool negative = rans.raw(1) != 0;
-            found_[count++] = {static_cast<std::uint16_t>(i), negative ? -level : level};
-            cells.mark(context, amplitude_of_level(level, dependent));
+            const std::uint32_t negative = rans.raw(1);
+            *found++ = {static_cast<std::uint16_t>(i),
+                        static_cast<std::int32_t>((level ^ (0 - negative)) + negative)};
+            if constexpr (dependent)
+                cells.mark<flat>(context, level);
+            else
+                cells.mark(context, 2 * level);
             state = dependent ? next_state[state][magnitude & 1] : 0;
         }
         rans_ = rans;
-        count_ = count;
+        found_ = static_cast<std::size_t>(found - out_.nonzeros.data());
         return is_well;
     }
 
@@ -245,10 +274,7 @@ private:
     ContextGrid& grid_;
     TileLevels& out_;
     RansDecoder rans_;
-    // max_coded_length entries, of which the first count_ are those of the current plane.
-    const std::unique_ptr<NonZero[]> found_ =
-        std::make_unique_for_overwrite<NonZero[]>(max_coded_length);
-    std::size_t count_ = 0;
+    std::size_t found_ = 0; // levels that were found, the first ones of out_.nonzeros
     RecentShapes shapes_;
     ColourMemory last_colour_;
     int work_ = 0;

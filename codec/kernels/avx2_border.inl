@@ -15,23 +15,30 @@ inline __m256i continued_avx2(const BorderLine& from, int y, int x) {
         5);
 }
 
+template <class Size> void continue_down(const BorderLine& from, Size n, std::int32_t* out) {
+    for (int y = 0; y < from.depth; ++y, out += n)
+        for (int x = 0; x < n; x += 8)
+            store_lanes(out + x, continued_avx2(from, y, x), n - x);
+}
+
+template <class Size> void continue_right(const BorderLine& from, Size depth, std::int32_t* out) {
+    for (int x = 0; x < from.n; x += 8)
+        for (int y = 0; y < depth; y += 8) {
+            __m256i square[8];
+            for (int i = 0; i < 8; ++i)
+                square[i] = y + i < depth ? continued_avx2(from, y + i, x) : _mm256_setzero_si256();
+            transpose(square);
+            for (int i = 0; i < 8 && x + i < from.n; ++i)
+                store_lanes(out + (x + i) * depth + y, square[i], depth - y);
+        }
+}
+
 void continue_top_avx2(const BorderLine& from, std::int32_t* out) {
-    for (int y = 0; y < from.depth; ++y, out += from.n)
-        for (int x = 0; x < from.n; x += 8)
-            store_lanes(out + x, continued_avx2(from, y, x), from.n - x);
+    with_side(from.n, [&](auto n) { continue_down(from, n, out); });
 }
 
 void continue_left_avx2(const BorderLine& from, std::int32_t* out) {
-    for (int x = 0; x < from.n; x += 8)
-        for (int y = 0; y < from.depth; y += 8) {
-            __m256i square[8];
-            for (int i = 0; i < 8; ++i)
-                square[i] =
-                    y + i < from.depth ? continued_avx2(from, y + i, x) : _mm256_setzero_si256();
-            transpose(square);
-            for (int i = 0; i < 8 && x + i < from.n; ++i)
-                store_lanes(out + (x + i) * from.depth + y, square[i], from.depth - y);
-        }
+    with_side(from.depth, [&](auto depth) { continue_right(from, depth, out); });
 }
 
 } // namespace

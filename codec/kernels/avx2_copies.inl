@@ -46,10 +46,11 @@ template <class Value> void put_vectors(const RowsTarget& to, Value value) {
     }
 }
 
-void put_block_avx2(const std::int32_t* in, int shift, const BlockTarget& to) {
+template <class Size>
+void put_rows(const std::int32_t* in, int shift, const BlockTarget& to, Size n) {
     const __m256i least = _mm256_set1_epi32(-to.limit), most = _mm256_set1_epi32(to.limit - 1);
     const Rounding rounding(shift);
-    const int n = to.n[0], whole = n & ~(lanes - 1);
+    const int whole = n & ~(lanes - 1);
     const __m256i mask = lane_mask(n - whole);
     const auto finished = [&](__m256i x) {
         return _mm256_max_epi32(_mm256_min_epi32(rounding(x), most), least);
@@ -65,8 +66,53 @@ void put_block_avx2(const std::int32_t* in, int shift, const BlockTarget& to) {
     });
 }
 
+void put_block_avx2(const std::int32_t* in, int shift, const BlockTarget& to) {
+    with_side(to.n[0], [&](auto n) { put_rows(in, shift, to, n); });
+}
+
 __m256i sum_of(__m256i a, __m256i b) {
     return _mm256_add_epi32(a, b);
+}
+
+// Copies the whole texels of rows of n = 4, 8 or 16, which most blocks have.
+template <int n, bool adds>
+void copy_short_rows(const std::int32_t* from, int stride, const RowsTarget& to) {
+    const __m256i least = _mm256_set1_epi32(-to.limit), most = _mm256_set1_epi32(to.limit - 1);
+    const Rounding added(to.add_shift);
+    const auto load = [](const std::int32_t* at) {
+        if constexpr (n < lanes)
+            return _mm256_castsi128_si256(_mm_loadu_si128(reinterpret_cast<const __m128i_u*>(at)));
+        else
+            return _mm256_loadu_si256(reinterpret_cast<const __m256i_u*>(at));
+    };
+    std::int32_t* out = to.out;
+    const std::int32_t* add = to.add;
+    for (int r = 0; r < to.rows; ++r, from += stride, out += to.stride) {
+        for (int i = 0; i < n; i += lanes) {
+            __m256i x = load(from + i);
+            if constexpr (adds)
+                x = sum_of(x, added(load(add + i)));
+            store_lanes(out + i, _mm256_max_epi32(_mm256_min_epi32(x, most), least), n - i);
+        }
+        if constexpr (adds)
+            add += to.add_stride;
+    }
+}
+
+void copy_whole_texels(const std::int32_t* from, int stride, const RowsTarget& to) {
+    const auto put = [&]<int n>() {
+        if (to.add != nullptr)
+            copy_short_rows<n, true>(from, stride, to);
+        else
+            copy_short_rows<n, false>(from, stride, to);
+    };
+    if (to.n == 4)
+        return put.template operator()<4>();
+    if (to.n == 8)
+        return put.template operator()<8>();
+    if (to.n == 16)
+        return put.template operator()<16>();
+    put_vectors(to, [&](int r, int i, auto load) { return load(from + r * stride + i); });
 }
 
 // The filters of copy_weights, divided by their common factors.
@@ -89,7 +135,7 @@ void copy_rows_avx2(const std::int32_t* from, int stride, int filter, const Rows
     };
     switch (filter) {
     case 0:
-        return put([](const std::int32_t* at, auto load) { return load(at); });
+        return copy_whole_texels(from, stride, to);
     case 1:
         return put(
             [&](const std::int32_t* at, auto load) { return Rounding(1)(pair(at, 1, load)); });

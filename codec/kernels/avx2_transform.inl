@@ -27,9 +27,17 @@ __m256i combine_lanes(__m256i high, __m256i low, __m256i dc) {
         _mm256_add_epi32(_mm256_add_epi32(high, carry), _mm256_slli_epi32(dc, 4)), 4);
 }
 
+// Calls run(support, n), both as constants if all frequencies of a common size are coded.
+template <class Run> void with_sizes(int support, int n, Run run) {
+    if (support == n)
+        with_side(n, [&](auto size) { run(size, size); });
+    else
+        run(support, n);
+}
+
 // Transforms eight columns. load_any(k) reads frequency k of them; store(x, value) writes output x.
-template <class Load, class Store>
-void inverse_columns(const PairTable& table, int support, int n, Load load_any, Store store) {
+template <class Support, class Size, class Load, class Store>
+void inverse_columns(const PairTable& table, Support support, Size n, Load load_any, Store store) {
     const int even_pairs = (support + 1) / 4, odd_pairs = (support + 2) / 4;
     const __m256i zero = _mm256_setzero_si256();
     const auto load = [&](int k) { return k < support ? clamp_lanes(load_any(k)) : zero; };
@@ -66,8 +74,8 @@ void inverse_columns(const PairTable& table, int support, int n, Load load_any, 
 }
 
 // The same with sines.
-template <class Load, class Store>
-void sine_columns(const SinePairs& table, int support, int n, Load load_any, Store store) {
+template <class Support, class Size, class Load, class Store>
+void sine_columns(const SinePairs& table, Support support, Size n, Load load_any, Store store) {
     const int pairs = (support + 1) / 2;
     const __m256i zero = _mm256_setzero_si256();
     const auto load = [&](int k) { return k < support ? clamp_lanes(load_any(k)) : zero; };
@@ -111,8 +119,8 @@ void for_eight_columns(const std::int32_t* in, std::int32_t* out, int inner, Tra
 }
 
 // The same for every eight of `rows` rows of n texels, which are transposed as they are stored.
-template <class Transform>
-void for_eight_rows(const std::int32_t* in, std::int32_t* out, int rows, int n,
+template <class Size, class Transform>
+void for_eight_rows(const std::int32_t* in, std::int32_t* out, int rows, Size n,
                     Transform transform) {
     const int together = rows < lanes ? rows : lanes;
     const __m256i mask = lane_mask(together);
@@ -145,23 +153,30 @@ constexpr int fewest_columns = 4;
 
 void inverse_planes_avx2(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
     const PairTable& table = pair_table(n);
-    for_eight_columns(in, out, inner, [&](auto load, auto store) {
-        inverse_columns(table, support, n, load, store);
+    with_sizes(support, n, [&](auto frequencies, auto size) {
+        for_eight_columns(in, out, inner, [&](auto load, auto store) {
+            inverse_columns(table, frequencies, size, load, store);
+        });
     });
 }
 
 void sine_planes_avx2(const std::int32_t* in, std::int32_t* out, int support, int n, int inner) {
     const SinePairs& table = sine_pairs(n);
-    for_eight_columns(in, out, inner,
-                      [&](auto load, auto store) { sine_columns(table, support, n, load, store); });
+    with_sizes(support, n, [&](auto frequencies, auto size) {
+        for_eight_columns(in, out, inner, [&](auto load, auto store) {
+            sine_columns(table, frequencies, size, load, store);
+        });
+    });
 }
 
 void sine_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int support, int n) {
     const SinePairs& table = sine_pairs(n);
     const int pairs = (support + 1) / 2;
     if (rows >= fewest_columns)
-        return for_eight_rows(in, out, rows, n, [&](auto load, auto store) {
-            sine_columns(table, support, n, load, store);
+        return with_sizes(support, n, [&](auto frequencies, auto size) {
+            for_eight_rows(in, out, rows, size, [&](auto load, auto store) {
+                sine_columns(table, frequencies, size, load, store);
+            });
         });
     for (int r = 0; r < rows; ++r, ++in, out += n) {
         std::int32_t high[max_sine_side / 2], low[max_sine_side / 2];
@@ -188,8 +203,10 @@ void inverse_rows_avx2(const std::int32_t* in, std::int32_t* out, int rows, int 
     const PairTable& table = pair_table(n);
     const int pairs = support / 2;
     if (rows >= fewest_columns)
-        return for_eight_rows(in, out, rows, n, [&](auto load, auto store) {
-            inverse_columns(table, support, n, load, store);
+        return with_sizes(support, n, [&](auto frequencies, auto size) {
+            for_eight_rows(in, out, rows, size, [&](auto load, auto store) {
+                inverse_columns(table, frequencies, size, load, store);
+            });
         });
     for (int r = 0; r < rows; ++r, ++in, out += n) {
         std::int32_t high[max_frequencies / 2], low[max_frequencies / 2];

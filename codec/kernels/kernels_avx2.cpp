@@ -5,6 +5,7 @@
 
 #ifdef __AVX2__
 #include <immintrin.h>
+#include <type_traits>
 
 namespace tessera {
 namespace {
@@ -13,6 +14,18 @@ namespace {
 __m256i lane_mask(int count) {
     const __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     return _mm256_cmpgt_epi32(_mm256_set1_epi32(count), index);
+}
+
+// Calls run(n) with a constant if n is the side of most blocks, so that loops are unrolled.
+template <class Run> void with_side(int n, Run run) {
+    if (n == 4)
+        run(std::integral_constant<int, 4>());
+    else if (n == 8)
+        run(std::integral_constant<int, 8>());
+    else if (n == 16)
+        run(std::integral_constant<int, 16>());
+    else
+        run(n);
 }
 
 // Stores the first `count` lanes, at most 8. Masked stores are slow on AMD's Zen.

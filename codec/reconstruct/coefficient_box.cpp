@@ -17,20 +17,33 @@ void CoefficientBox::begin() {
     support_ = {1, 1, 1, 1};
 }
 
-// The same for a block of one view, which has one column.
+bool CoefficientBox::is_small(const BlockShape& shape) {
+    constexpr int small = 16;
+    return std::max(shape.n[0], shape.n[1]) <= small;
+}
+
+// add() for a block of one view, which has one column.
 void CoefficientBox::add_picture(std::span<const NonZero> levels, const ScanOrder& order) {
     if (levels.empty())
         return;
-    std::uint8_t u = support_[0], v = support_[1];
-    for (const NonZero& nz : levels) {
-        const auto& k = order.entry[nz.index].k;
-        u = std::max(u, static_cast<std::uint8_t>(k[0] + 1));
-        v = std::max(v, static_cast<std::uint8_t>(k[1] + 1));
-    }
-    support_ = {u, v, 1, 1};
     column_of_[0] = view_[0] = 0;
     of_t_[0] = 1;
     count_ = 1;
+    const bool only_dc = levels.size() == 1 && levels[0].index == 0;
+    if (only_dc)
+        return;
+    std::uint8_t u = support_[0], v = support_[1];
+    if (is_small(order.shape)) {
+        u = static_cast<std::uint8_t>(order.shape.n[0]);
+        v = static_cast<std::uint8_t>(order.shape.n[1]);
+    } else {
+        for (const NonZero& nz : levels) {
+            const auto& k = order.entry[nz.index].k;
+            u = std::max(u, static_cast<std::uint8_t>(k[0] + 1));
+            v = std::max(v, static_cast<std::uint8_t>(k[1] + 1));
+        }
+    }
+    support_ = {u, v, 1, 1};
 }
 
 // Sums stay in local variables, because stores to bytes could change any member.
@@ -51,6 +64,9 @@ void CoefficientBox::add(std::span<const NonZero> levels, const ScanOrder& order
     }
     for (std::size_t axis = 0; axis < 4; ++axis)
         support_[axis] = static_cast<std::uint8_t>(support[axis]);
+    if (!is_constant() && is_small(order.shape))
+        for (std::size_t axis = 0; axis < 2; ++axis)
+            support_[axis] = static_cast<std::uint8_t>(order.shape.n[axis]);
 }
 
 bool CoefficientBox::columns_run_fastest() const {

@@ -52,12 +52,15 @@ private:
     static constexpr int views = max_frequencies * max_frequencies;
 
     void add_picture(std::span<const NonZero> levels, const ScanOrder& order);
+    // Small blocks have the support of all frequencies along u and v, unless only DC is not 0:
+    // kernels have faster loops for these.
+    static bool is_small(const BlockShape& shape);
     // Whether columns are adjacent in memory. With few columns, rows fill vectors better.
     bool columns_run_fastest() const;
     static int view_of(const ScanEntry& entry) { return entry.k[3] * max_frequencies + entry.k[2]; }
     void spread_columns(const std::int32_t* columns, int page, std::int32_t* out) const;
 
-    Support support_{}; // along each axis, one more than the largest frequency
+    Support support_{}; // along each axis, more than the largest frequency
     std::array<std::uint8_t, max_frequencies> of_t_{}; // the same along s for each t; 0: no column
     int count_ = 0;                                    // number of columns
     std::array<std::int16_t, views> column_of_;        // of each pair; -1: none

@@ -49,22 +49,35 @@ constexpr std::array<std::uint8_t, amplitude_codes> amplitudes{0,  1,  2,  3,  4
 constexpr std::uint32_t amplitude_of(int code) {
     return amplitudes[static_cast<std::size_t>(code)];
 }
-// The code of each number up to the largest amplitude. Greater numbers have the last code.
+// The code of each number up to the largest mean of amplitudes in 1/8. The decoder waits for these
+// look-ups, so that a longer table is faster than a comparison.
 inline constexpr auto codes_of_amplitudes = [] {
-    std::array<std::uint8_t, amplitudes.back() + 1> codes{};
-    for (std::size_t x = 1; x < codes.size(); ++x)
-        codes[x] = static_cast<std::uint8_t>(codes[x - 1] +
-                                             (x == amplitudes[codes[x - 1] + std::size_t{1}]));
+    std::array<std::uint8_t, 8 * amplitudes.back() + 1> codes{};
+    for (std::size_t x = 1; x < codes.size(); ++x) {
+        const std::size_t before = codes[x - 1];
+        codes[x] = static_cast<std::uint8_t>(
+            before + (before + 1 < amplitudes.size() && x == amplitudes[before + 1]));
+    }
     return codes;
 }();
 constexpr int amplitude_code(std::uint32_t amplitude) {
-    return codes_of_amplitudes[std::min<std::size_t>(amplitude, codes_of_amplitudes.size() - 1)];
+    return codes_of_amplitudes[std::min<std::size_t>(amplitude, amplitudes.back())];
+}
+// amplitude_of(amplitude_code(x)) of each x up to the largest amplitude.
+inline constexpr auto rounded_amplitudes = [] {
+    std::array<std::uint8_t, amplitudes.back() + 1> rounded{};
+    for (std::size_t x = 0; x < rounded.size(); ++x)
+        rounded[x] = amplitudes[codes_of_amplitudes[x]];
+    return rounded;
+}();
+constexpr std::uint32_t rounded_amplitude(std::uint32_t amplitude) {
+    return rounded_amplitudes[std::min<std::size_t>(amplitude, amplitudes.back())];
 }
 // Classes of the weighted mean of the neighbours' amplitudes, which counts in 1/8. `sum` is the
-// weighted sum, and `share` is 4096 / (sum of the weights).
+// weighted sum of rounded amplitudes, and `share` is 4096 / (sum of the weights).
 constexpr int neighbour_classes = amplitude_codes;
 constexpr int neighbour_class(std::uint32_t sum, std::uint32_t share) {
-    return amplitude_code((sum * share) >> 9);
+    return codes_of_amplitudes[(sum * share) >> 9];
 }
 constexpr int cross_classes = 6; // of the amplitude at the same frequency in earlier planes
 constexpr int cross_class(int code) {

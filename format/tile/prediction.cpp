@@ -115,16 +115,19 @@ CopyDepths copy_depths(const BlockShape& tile, std::span<const Block> blocks,
                    (path_s[block.origin[2]] >> bit & 1);
         return both;
     };
+    // The low bits keep the order of blocks with equal keys.
+    constexpr int index_bits = 16;
+    static_assert(max_leaves <= 1 << index_bits && 2 * max_split_depth + 1 + index_bits <= 32);
     std::vector<std::uint32_t> keys(blocks.size());
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+        keys[i] = (i < base_blocks ? 0 : 1 + key(blocks[i])) << index_bits |
+                  static_cast<std::uint32_t>(i);
+    if (!std::ranges::is_sorted(keys)) // as they are in pictures
+        std::ranges::sort(keys);
     CopyDepths result;
-    result.order.resize(blocks.size());
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-        keys[i] = i < base_blocks ? 0 : 1 + key(blocks[i]);
-        result.order[i] = static_cast<std::uint16_t>(i);
-    }
-    std::sort(result.order.begin(), result.order.end(), [&](std::uint16_t a, std::uint16_t b) {
-        return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
-    });
+    result.order.reserve(blocks.size());
+    for (const std::uint32_t k : keys)
+        result.order.push_back(static_cast<std::uint16_t>(k));
 
     std::vector<std::uint8_t> view_depth(static_cast<std::size_t>(tile.n[2] * tile.n[3]));
     const auto deepest = [&](int s, int s_end, int t, int t_end) {

@@ -6,6 +6,8 @@
 // start state, and an empty stream is valid: it decodes to the first symbol of every table.
 #pragma once
 
+#include "format/io/bytes.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -26,7 +28,8 @@ public:
     // The bytes of one stream. The last byte of an odd number is never read and makes ended_well()
     // false.
     explicit RansDecoder(std::span<const std::byte> bytes)
-        : next_(bytes.data()), left_(bytes.size() / 2), odd_(bytes.size() % 2 != 0) {
+        : next_(bytes.data()), end_(bytes.data() + bytes.size() / 2 * 2),
+          odd_(bytes.size() % 2 != 0) {
         refill();
         refill();
     }
@@ -57,20 +60,18 @@ public:
         return value;
     }
     // Whether every word was read and the state is the one with which the encoder began.
-    bool ended_well() const { return state_ == 0 && left_ == 0 && !odd_; }
+    bool ended_well() const { return state_ == 0 && next_ == end_ && !odd_; }
 
 private:
     void refill() {
-        if (state_ < rans_lower_bound && left_ > 0) {
-            state_ = (state_ << 16) | std::to_integer<std::uint32_t>(next_[0]) |
-                     (std::to_integer<std::uint32_t>(next_[1]) << 8);
+        if (state_ < rans_lower_bound && next_ != end_) {
+            state_ = (state_ << 16) | load_le<std::uint16_t>(next_);
             next_ += 2;
-            --left_;
         }
     }
     std::uint32_t state_ = 0;
     const std::byte* next_ = nullptr;
-    std::size_t left_ = 0;
+    const std::byte* end_ = nullptr;
     bool odd_ = false;
 };
 

@@ -5,6 +5,7 @@
 #include "tests/support/random.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -106,6 +107,23 @@ TEST(CodeTables, OddsFollowTheFormula) {
         EXPECT_EQ(stop_frequency(static_cast<std::uint8_t>(p)),
                   std::clamp(std::lround(4096 / (1 + std::pow(2.0L, (p - 32) / 3.0L))), 1L, 4095L));
     EXPECT_EQ(stop_frequency(32), 2048u);
+}
+
+// By the formulas of FORMAT.md 3.4.
+TEST(CodeTables, AmplitudesHaveTheirCodes) {
+    const auto code = [](std::uint32_t x) {
+        const int n = std::bit_width(x);
+        return x < 2 ? static_cast<int>(x)
+                     : std::min(2 * (n - 1) + static_cast<int>(x >> (n - 2) & 1), 15);
+    };
+    for (std::uint32_t x = 0; x < 5000; ++x) {
+        ASSERT_EQ(amplitude_code(x), code(x)) << x;
+        ASSERT_EQ(rounded_amplitude(x), amplitude_of(code(x))) << x;
+    }
+    for (std::uint32_t weight = 1; weight <= 16; ++weight)
+        for (std::uint32_t sum = 0; sum <= weight * amplitudes.back(); ++sum)
+            ASSERT_EQ(neighbour_class(sum, 4096 / weight), code(sum * (4096 / weight) / 512))
+                << weight << " " << sum;
 }
 
 } // namespace
