@@ -84,6 +84,7 @@ check "a UTF-8 name is written" windows encode scene.exr --effort 0 -q -o "neu $
 [ -e "neu $name" ]
 check "a drive and backslashes" windows decode "Z:${PWD//\//\\}\\linux.tess" -q -o "Z:${PWD//\//\\}\\drive.exr"
 check "the same texels by the drive" cmp drive.exr linux.exr
+check "a path from the root of a drive" windows validate "$PWD/linux.tess"
 long=$(printf 'a-folder-with-a-name-of-40-characters-xx/%.0s' 1 2 3 4 5 6 7 8)
 check "a long path is made" windows encode scene.exr --effort 0 -q -o "${long}a.tess"
 check "a long path is read" windows validate "${long}a.tess"
