@@ -24,7 +24,7 @@ windows() { "$work/tool" "$@"; }
 linux() { "$native/bin/tessera" "$@"; }
 checks=0
 check() { # WHAT COMMAND...
-    "${@:2}" > "$work/said" 2>&1 || { cat "$work/said"; echo "failed: $1"; exit 1; }
+    "${@:2}" > "$work/said" 2>&1 || { echo "failed with $?: $1"; cat "$work/said"; exit 1; }
     checks=$((checks + 1))
 }
 refuses() { # WHAT CODE WORDS COMMAND...: fails with the code and one line that contains the words
