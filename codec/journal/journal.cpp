@@ -12,12 +12,9 @@
 #include <algorithm>
 #include <bit>
 #include <cerrno>
-#include <filesystem>
 
 namespace tessera {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr char head_magic[] = {'T', 'E', 'S', 'S', 'J', 'H', 'D', '1'};
 constexpr char done_magic[] = {'T', 'E', 'S', 'S', 'J', 'D', 'N', '1'};
@@ -31,10 +28,10 @@ bool is_number(const std::string& text) {
 
 // Whether the encoder makes files of this name in a journal's folder; only these are removed.
 bool is_ours(const std::string& name) {
-    for (const char* kind : {"pass-", "done-"})
-        if (name.rfind(kind, 0) == 0 && is_number(name.substr(5)))
+    for (const std::string kind : {"pass-", "done-", "fitted-"})
+        if (name.starts_with(kind) && is_number(name.substr(kind.size())))
             return true;
-    for (const char* known : {"lock", "head", "fitted", "output", "writing"})
+    for (const char* known : {"lock", "head", "output", "writing"})
         if (name == known)
             return true;
     return false;
@@ -254,11 +251,8 @@ Journal::~Journal() {
 
 std::vector<std::string> Journal::our_files(const std::string& folder) {
     std::vector<std::string> names;
-    std::error_code error;
-    for (fs::directory_iterator i(to_path(folder), error), end; !error && i != end;
-         i.increment(error))
-        if (const std::string name = i->path().filename().string(); is_ours(name))
-            names.push_back(name);
+    sys::list_folder(folder, names);
+    std::erase_if(names, [](const std::string& name) { return !is_ours(name); });
     return names;
 }
 
@@ -314,7 +308,7 @@ Result<std::unique_ptr<JournalTiles>> Journal::pass(unsigned number,
 }
 
 Result<std::unique_ptr<JournalTiles>> Journal::scratch(std::uint64_t tiles) {
-    return JournalTiles::create_nameless(file("fitted"), tiles);
+    return JournalTiles::create_nameless(file("fitted-", ++scratches_), tiles);
 }
 
 std::optional<PassTotals> Journal::finished(unsigned number,

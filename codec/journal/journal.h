@@ -4,7 +4,7 @@
 //   head      what is encoded and how; a resume of something else is refused
 //   pass-N    the tiles of pass N (journal_tiles.h) as long as they may be needed
 //   done-N    the totals of a finished pass, so that rate control need not repeat it
-//   fitted    payloads under fitted tables; nameless, made again after a resume
+//   fitted-N  payloads under fitted tables; nameless, made again after a resume
 //   output    the output file until it is renamed
 // Rate control is deterministic, so a resumed run asks for the same passes in the same order and
 // finds the finished ones here. Files are little-endian and end with a CRC32C. A file that is torn,
@@ -95,6 +95,7 @@ private:
 
     std::string folder_;
     int lock_ = -1;
+    unsigned scratches_ = 0; // Windows keeps the name of a removed file until it is closed
     bool begun_ = false, removed_ = false;
 };
 

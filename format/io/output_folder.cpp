@@ -37,10 +37,9 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::discard() {
-    std::error_code ignored;
     if (temporary_.empty())
         return;
-    fs::remove_all(to_path(temporary_), ignored);
+    sys::remove_tree(temporary_);
     forget_unfinished(temporary_);
     temporary_.clear();
 }
@@ -87,7 +86,7 @@ Status OutputFolder::commit() {
     forget_unfinished(temporary_);
     temporary_.clear();
     if (replacing)
-        fs::remove_all(to_path(old), ignored);
+        sys::remove_tree(old);
     return {};
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace tessera::sys {
 
@@ -47,6 +48,11 @@ int make_folder(const std::string& path);
 // The bytes of a file that is still open remain until it is closed.
 int remove_file(const std::string& path);
 int remove_empty_folder(const std::string& path);
+// These two stand in for std::filesystem, which with mingw-w64 lists the current folder instead of
+// one whose path has more than 260 characters.
+int list_folder(const std::string& path, std::vector<std::string>& names); // in any order
+// Removes a file, or a folder with all that it holds. Links are removed, not followed.
+int remove_tree(const std::string& path);
 
 struct FileFacts {
     enum class Kind { file, folder, other };

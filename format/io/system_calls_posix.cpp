@@ -8,6 +8,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <system_error>
 
 namespace tessera::sys {
@@ -110,6 +111,23 @@ int remove_file(const std::string& path) {
 
 int remove_empty_folder(const std::string& path) {
     return ::rmdir(path.c_str());
+}
+
+int list_folder(const std::string& path, std::vector<std::string>& names) {
+    std::error_code error;
+    names.clear();
+    for (std::filesystem::directory_iterator i(path, error), end; !error && i != end;
+         i.increment(error))
+        names.push_back(i->path().filename().string());
+    errno = error.value();
+    return error ? -1 : 0;
+}
+
+int remove_tree(const std::string& path) {
+    std::error_code error;
+    std::filesystem::remove_all(path, error);
+    errno = error.value();
+    return error ? -1 : 0;
 }
 
 int facts_of(int descriptor, FileFacts& facts) {

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
 #include <system_error>
 
 namespace tessera::sys {
@@ -74,10 +75,15 @@ std::wstring wide(const std::string& path) {
     constexpr std::size_t longest_plain = 240; // leaves room for the name of a temporary file
     const std::wstring text = utf16_of(path);
     const DWORD length = GetFullPathNameW(text.c_str(), 0, nullptr, nullptr); // with the final zero
-    if (length <= longest_plain || text.starts_with(L"\\\\"))
+    if (length <= longest_plain && !text.starts_with(L"\\\\?\\"))
         return text;
+    // Behind the prefix only backslashes separate names.
     std::wstring full(length, L'\0');
     full.resize(GetFullPathNameW(text.c_str(), length, full.data(), nullptr));
+    if (full.starts_with(L"\\\\?\\")) {
+        std::ranges::replace(full, L'/', L'\\');
+        return full;
+    }
     return full.starts_with(L"\\\\") ? L"\\\\?\\UNC" + full.substr(1) : L"\\\\?\\" + full;
 }
 
@@ -232,6 +238,37 @@ int remove_file(const std::string& path) {
 
 int remove_empty_folder(const std::string& path) {
     return RemoveDirectoryW(wide(path).c_str()) ? 0 : failed();
+}
+
+int list_folder(const std::string& path, std::vector<std::string>& names) {
+    names.clear();
+    WIN32_FIND_DATAW found = {};
+    const HANDLE search = FindFirstFileW(wide(path + "\\*").c_str(), &found);
+    if (search == INVALID_HANDLE_VALUE)
+        return failed();
+    do
+        if (const std::wstring name = found.cFileName; name != L"." && name != L"..")
+            names.push_back(std::filesystem::path(name).string());
+    while (FindNextFileW(search, &found));
+    const DWORD error = GetLastError();
+    FindClose(search);
+    errno = errno_of(error);
+    return error == ERROR_NO_MORE_FILES ? 0 : -1;
+}
+
+int remove_tree(const std::string& path) {
+    const DWORD attributes = GetFileAttributesW(wide(path).c_str());
+    if (attributes == INVALID_FILE_ATTRIBUTES)
+        return GetLastError() == ERROR_FILE_NOT_FOUND ? 0 : failed();
+    if ((attributes & FILE_ATTRIBUTE_DIRECTORY) == 0)
+        return remove_file(path);
+    std::vector<std::string> names;
+    if ((attributes & FILE_ATTRIBUTE_REPARSE_POINT) == 0 && list_folder(path, names) < 0)
+        return -1;
+    for (const std::string& name : names)
+        if (remove_tree(path + "\\" + name) < 0)
+            return -1;
+    return remove_empty_folder(path);
 }
 
 int facts_of(int descriptor, FileFacts& facts) {

@@ -1,10 +1,9 @@
 #include "format/io/unfinished.h"
 
-#include "format/output_file.h"
+#include "format/io/system_calls.h"
 
-#include <filesystem>
+#include <cerrno>
 #include <map>
-#include <system_error>
 
 namespace tessera {
 namespace {
@@ -24,11 +23,9 @@ Unfinished& unfinished() {
 
 // Tries several times, because other threads may still add files to the folder.
 void remove_in_use(const std::string& path) {
-    std::error_code error;
     int tries = 0;
-    do
-        std::filesystem::remove_all(to_path(path), error);
-    while (error == std::errc::directory_not_empty && ++tries < most_removals);
+    while (sys::remove_tree(path) < 0 && errno == ENOTEMPTY && ++tries < most_removals) {
+    }
 }
 
 } // namespace

@@ -10,8 +10,9 @@
 #                                   libzstd-dev:s390x libdraco-dev:s390x libgtest-dev:s390x
 #                             clang: this processor with clang-19 and its libc++:
 #                               apt install clang-19 libc++-19-dev libc++abi-19-dev dpkg-dev
-#                             windows: mingw-w64, runs under wine:
-#                               apt install g++-mingw-w64-x86-64-posix wine64 dpkg-dev
+#                             windows: mingw-w64, also builds the tool, runs under wine:
+#                               apt install g++-mingw-w64-x86-64-posix wine64 dpkg-dev and what the
+#                                   tool is built with natively (tools/common.sh)
 # TESTS: gtest filter for both programs. The default runs all tests that take seconds, "" runs none.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -23,6 +24,8 @@ common=(-G Ninja -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=24 -DTESS
 run=()
 program=""
 targets=(same_bytes)
+native_targets=(same_bytes)
+tool=()
 folder=build-cross-$arch
 case $arch in
 clang)
@@ -34,14 +37,17 @@ clang)
     ;;
 windows)
     libraries=$PWD/$folder-libraries
-    tests/cross/dependencies.sh windows "$libraries" zstd draco gtest headers
+    tests/cross/dependencies.sh windows "$libraries" zstd draco gtest headers \
+        tool_headers zlib png jpeg webp tiff exr meshoptimizer curl httplib embree
     export PKG_CONFIG_LIBDIR=$libraries/prefix/lib/pkgconfig
     export WINEPREFIX=${WINEPREFIX:-$libraries/wine} WINEDEBUG=-all
+    tool=(-DTESSERA_TOOLS=ON -DTESSERA_HTTP=ON -DTESSERA_WEB=AUTO)
     other=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_TOOLCHAIN_FILE="$PWD/tests/cross/windows.cmake"
-           -DTESSERA_CROSS_PREFIX="$libraries/prefix" -DTESSERA_SHARED=ON)
+           -DTESSERA_CROSS_PREFIX="$libraries/prefix" -DTESSERA_SHARED=ON "${tool[@]}")
     run=(/usr/lib/wine/wine64)
     program=.exe
-    targets+=(tessera_shared c_api_test)
+    targets+=(tessera_shared c_api_test tessera)
+    native_targets+=(tessera tools_tests)
     ;;
 *)
     multiarch=$arch-linux-gnu
@@ -62,11 +68,12 @@ jobs=${JOBS:-$(nproc)}
 cmake -S . -B "$folder" "${common[@]}" "${other[@]}" > "$folder.log" || { cat "$folder.log"; exit 1; }
 rm "$folder.log"
 ninja -C "$folder" -j "$jobs" "${targets[@]}"
-# NATIVE: a folder with a native build of same_bytes.
+# NATIVE: a folder with a native build of same_bytes, for Windows also of tessera and tools_tests.
 native=${NATIVE:-build-cross-native}
 if [ -z "${NATIVE:-}" ]; then
-    env -u PKG_CONFIG_LIBDIR -u PKG_CONFIG_PATH cmake -S . -B "$native" "${common[@]}" -DCMAKE_BUILD_TYPE=Release > /dev/null
-    ninja -C "$native" -j "$jobs" same_bytes
+    env -u PKG_CONFIG_LIBDIR -u PKG_CONFIG_PATH cmake -S . -B "$native" "${common[@]}" "${tool[@]}" \
+        -DCMAKE_BUILD_TYPE=Release > /dev/null
+    ninja -C "$native" -j "$jobs" "${native_targets[@]}"
 fi
 "$native/bin/same_bytes" tests/golden > "$folder/native.txt"
 "${run[@]}" "$folder/bin/same_bytes$program" tests/golden | tr -d '\r' > "$folder/made.txt"
@@ -80,4 +87,5 @@ done
 if [ "$arch" = windows ]; then
     tests/cross/windows_dll.sh "$folder"
     tests/cross/windows_zip.sh "$folder"
+    tests/cross/windows_tool.sh "$folder" "$native"
 fi

@@ -52,11 +52,9 @@ TEST_F(WindowsFiles, NamesAreUtf8) {
 
 TEST_F(WindowsFiles, PathsMayBeLong) {
     std::string folder = folder_.string();
-    std::vector<std::string> made;
     while (folder.size() < 400) {
         folder += "/a-folder-with-a-name-of-40-characters-xx";
         ASSERT_EQ(sys::make_folder(folder), 0) << folder << ": " << sys::reason(errno);
-        made.push_back(folder);
     }
     write(folder + "/a.tess", "old");
     write(folder + "/a.tess", "new");
@@ -64,9 +62,20 @@ TEST_F(WindowsFiles, PathsMayBeLong) {
     // Windows refuses such a path unless it begins so; wine accepts both.
     EXPECT_TRUE(to_path(folder + "/a.tess").native().starts_with(L"\\\\?\\"));
     EXPECT_TRUE(std::filesystem::is_regular_file(to_path(folder + "/a.tess")));
-    EXPECT_EQ(sys::remove_file(folder + "/a.tess"), 0);
-    for (; !made.empty(); made.pop_back())
-        EXPECT_EQ(sys::remove_empty_folder(made.back()), 0) << made.back();
+    for (const char* text : {"old", "new"}) { // the second replaces a folder
+        Result<OutputFolder> views = OutputFolder::create(folder + "/views");
+        ASSERT_TRUE(views) << views.status().message();
+        ASSERT_TRUE(views->add("b", bytes_of(text)));
+        ASSERT_TRUE(views->commit());
+        EXPECT_EQ(read(folder + "/views/b"), text);
+    }
+    std::vector<std::string> names;
+    ASSERT_EQ(sys::list_folder(folder, names), 0);
+    std::ranges::sort(names);
+    EXPECT_EQ(names, (std::vector<std::string>{"a.tess", "views"}));
+    const std::string first = path("a-folder-with-a-name-of-40-characters-xx");
+    EXPECT_EQ(sys::remove_tree(first), 0);
+    EXPECT_FALSE(std::filesystem::exists(to_path(first)));
 }
 
 TEST_F(WindowsFiles, DrivesAndBothSlashes) {

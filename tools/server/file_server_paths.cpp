@@ -110,13 +110,13 @@ bool lists_etag(const std::string& list, const std::string& etag) {
 std::string list_folder(const fs::path& folder, const std::string& path, bool has_viewer) {
     std::vector<std::string> lines;
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-        const std::string name = entry.path().filename().string();
-        const bool is_folder = entry.is_directory(ignored);
+    for (const std::string& name : names_in(folder, ignored)) {
+        const fs::path entry = folder / to_path(name);
+        const bool is_folder = fs::is_directory(entry, ignored);
         if (name.front() == '.' || (!is_folder && !name.ends_with(".tess")))
             continue;
         const std::string slash = is_folder ? "/" : "", link = percent_encoded(name) + slash;
-        const auto version = version_of(entry.path());
+        const auto version = version_of(entry);
         const std::string length = version ? std::to_string(version->size) + " bytes" : "";
         std::string line =
             "<li><a href=\"" + link + "\">" + html_text(name) + slash + "</a> " + length;

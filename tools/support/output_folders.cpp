@@ -63,6 +63,8 @@ bool is_glb_name(const std::string& path) {
 Status check_output_path(const std::string& path) {
     if (is_url(path))
         return {ErrorCode::bad_argument, path + ": cannot write to a URL"};
+    if (is_reserved(to_path(path)))
+        return {ErrorCode::io, path + ": cannot write: the system reserves this name"};
     TESSERA_TRY(check_parent_folders(path));
     std::error_code ignored;
     const fs::file_status status = fs::status(to_path(path), ignored);

@@ -2,6 +2,7 @@
 
 #include "format/output_file.h"
 #include "tools/support/checksum.h"
+#include "tools/support/system.h"
 
 #include <chrono>
 #include <cstdint>
@@ -44,9 +45,9 @@ std::vector<std::pair<std::string, std::string>> source_facts(const std::string&
     else if (!fs::is_directory(path, error))
         return {{"length of the " + what, length_of(path)}, {"time of the " + what, time}};
     std::map<std::string, std::string> files; // in order of their names
-    for (fs::directory_iterator i(path, error), end; !error && i != end; i.increment(error))
-        if (const std::string time = time_of(i->path()); !time.empty())
-            files[i->path().filename().string()] = length_of(i->path()) + " " + time;
+    for (const std::string& file : names_in(path, error))
+        if (const std::string time = time_of(path / to_path(file)); !time.empty())
+            files[file] = length_of(path / to_path(file)) + " " + time;
     std::uint32_t crc = 0;
     for (const auto& [name, facts] : files) {
         const std::string line = name + " " + facts + "\n";

@@ -9,6 +9,7 @@
 #include <io.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -123,6 +124,40 @@ std::string why_not_writable(const std::filesystem::path&) {
 
 bool is_writable(const std::filesystem::path& file) {
     return _waccess(file.c_str(), 2) == 0;
+}
+
+bool is_reserved(const std::filesystem::path& file) {
+    std::string name = file.filename().string();
+    name = name.substr(0, name.find('.')); // an ending does not matter
+    name = name.substr(0, name.find_last_not_of(' ') + 1);
+    std::ranges::transform(name, name.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    const bool is_numbered =
+        name.size() == 4 && (name.starts_with("COM") || name.starts_with("LPT"));
+    return name == "CON" || name == "PRN" || name == "AUX" || name == "NUL" ||
+           (is_numbered && name[3] >= '1' && name[3] <= '9');
+}
+
+std::vector<std::string> names_in(const std::filesystem::path& folder, std::error_code& error) {
+    std::vector<std::string> names;
+    const auto set_error = [&](DWORD code) {
+        error.assign(static_cast<int>(code), std::system_category());
+    };
+    error.clear();
+    WIN32_FIND_DATAW found = {};
+    const HANDLE search = FindFirstFileW((folder / "*").c_str(), &found);
+    if (search == INVALID_HANDLE_VALUE) {
+        set_error(GetLastError());
+        return names;
+    }
+    do
+        if (const std::wstring_view name = found.cFileName; name != L"." && name != L"..")
+            names.push_back(utf8_of(name));
+    while (FindNextFileW(search, &found));
+    if (const DWORD code = GetLastError(); code != ERROR_NO_MORE_FILES)
+        set_error(code);
+    FindClose(search);
+    return names;
 }
 
 std::optional<FileStamp> stamp_of(const std::filesystem::path& file) {

@@ -3,6 +3,7 @@
 #include "format/work.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/slab_buffer.h"
+#include "tools/support/system.h"
 #include "tools/texture_io/clamped_rows.h"
 #include "tools/texture_io/picture_format.h"
 #include "tools/texture_io/view_motion.h"
@@ -11,12 +12,10 @@
 #include "tools/texture_io/views_json.h"
 
 #include <cstring>
-#include <filesystem>
 
 namespace tessera {
 namespace {
 
-namespace fs = std::filesystem;
 using corpus::PictureShape;
 
 // The names of pictures, by their endings, without hidden files. Sorted, so that messages are the
@@ -24,13 +23,9 @@ using corpus::PictureShape;
 Result<std::vector<std::string>> list_pictures(const std::string& folder) {
     std::vector<std::string> names;
     std::error_code error;
-    for (fs::directory_iterator i(to_path(folder), error), end; !error && i != end;
-         i.increment(error)) {
-        std::string name = i->path().filename().string();
+    for (std::string& name : names_in(to_path(folder), error))
         if (!name.starts_with('.') && picture_kind_of_name(name) != corpus::PictureKind::none)
             names.push_back(std::move(name));
-        TESSERA_TRY(check_interrupt());
-    }
     if (error)
         return Status(ErrorCode::io, folder + ": " + error.message());
     if (names.empty())

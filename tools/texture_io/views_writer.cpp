@@ -1,6 +1,7 @@
 #include "format/output_file.h"
 #include "format/work.h"
 #include "tools/support/slab_buffer.h"
+#include "tools/support/system.h"
 #include "tools/texture_io/picture_format.h"
 #include "tools/texture_io/view_names.h"
 #include "tools/texture_io/views_io.h"
@@ -27,18 +28,16 @@ Status check_replaceable(const std::string& folder) {
     TESSERA_TRY_ASSIGN(const auto pattern,
                        ViewPattern::parse(kept.empty() ? usual_view_pattern : kept));
     std::string other;
-    for (fs::directory_iterator i(to_path(folder), error), end; !error && i != end;
-         i.increment(error)) {
-        const std::string name = i->path().filename().string();
+    const std::vector<std::string> names = names_in(to_path(folder), error);
+    for (const std::string& name : names)
         if (name != views_json_name && !pattern.match(name))
             other = name;
-    }
     if (error)
         return {ErrorCode::io, folder + ": " + error.message()};
     if (!other.empty())
         return {ErrorCode::io, folder + ": holds a file that is no view (" + other +
                                    "); choose an empty or a new folder"};
-    if (!ours && !fs::is_empty(to_path(folder), error))
+    if (!ours && !names.empty())
         return {ErrorCode::io, folder +
                                    ": holds views but no tessera.json, so this program did not "
                                    "write them; choose an empty or a new folder"};

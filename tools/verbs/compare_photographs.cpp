@@ -2,10 +2,12 @@
 
 #include "codec/metrics.h"
 #include "corpus/photographs/photograph.h"
+#include "format/output_file.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/json_text.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
+#include "tools/support/system.h"
 #include "tools/support/warnings.h"
 #include "tools/verbs/photograph_figures.h"
 
@@ -38,10 +40,9 @@ Result<PosedPhotograph> plain_photograph(const fs::path& path) {
 Result<std::vector<PosedPhotograph>> photographs_in(const std::string& folder) {
     std::vector<fs::path> paths;
     std::error_code failed;
-    for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
-         entry.increment(failed))
-        if (corpus::is_picture_suffix(entry->path().extension().string()))
-            paths.push_back(entry->path());
+    for (const std::string& name : names_in(to_path(folder), failed))
+        if (corpus::is_picture_suffix(to_path(name).extension().string()))
+            paths.push_back(fs::path(folder) / name);
     if (failed)
         return Status(ErrorCode::io, folder + ": " + failed.message());
     if (paths.empty())

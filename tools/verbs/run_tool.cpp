@@ -170,6 +170,7 @@ int run_tool(int argc, char** argv) {
     const std::vector<std::string> names = names_of(all_verbs());
     CLI::App app("Tessera: a codec for 4D textures (surface light fields), size UxVxSxT",
                  "tessera");
+    app.allow_windows_style_options(false); // would take /folder/x.tess for an option
     app.set_version_flag("--version", version_text());
     app.require_subcommand(1);
     app.formatter(std::make_shared<HelpFormatter>());
