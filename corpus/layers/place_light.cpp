@@ -97,8 +97,10 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer, const Dis
             sums[i] += light * basis[i];
     };
     const std::uint64_t paths = mix_bits(options.seed + irradiance_paths);
-    const double share = 1.0 / options.diffuse_samples;
-    for (unsigned i = 0; i < options.diffuse_samples; ++i) {
+    // A share of them goes to emitting triangles.
+    const unsigned path_count = options.diffuse_samples * (tracer.has_emitters() ? 3 : 1);
+    const double share = 1.0 / path_count;
+    for (unsigned i = 0; i < path_count; ++i) {
         PathRandom random(paths, i);
         ModelSurfacePlace place = places.place(u, v, random.next2() - 0.5);
         place.point.normal = place.frame.ez; // the same for all bumps

@@ -10,7 +10,8 @@
 namespace tessera::corpus {
 
 struct PlaceLightOptions {
-    unsigned diffuse_samples = 64; // paths per place, for the light of the model
+    // Paths per place for the light of the model; three times as many if it has emitting triangles.
+    unsigned diffuse_samples = 64;
     unsigned shadow_samples = 256; // rays per place, shared by all lights
     std::uint64_t seed = 1;
 };

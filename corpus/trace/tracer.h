@@ -46,6 +46,8 @@ public:
 
     const RayModel& model() const { return *model_; }
     const ModelLight& light() const { return light_; }
+    // Whether triangles of the model emit light.
+    bool has_emitters() const { return !emitters_.empty(); }
     // The share of the light from this direction, `reach` away, that reaches the point. It has the
     // colour of clear walls.
     glm::dvec3 unblocked(const LitPoint& point, const glm::dvec3& direction,
