@@ -1,10 +1,10 @@
 #include "corpus/layers/distant_lights.h"
 
-#include <algorithm>
+#include "corpus/trace/sampled_sums.h"
+
 #include <cmath>
 #include <list>
 #include <numbers>
-#include <span>
 
 namespace tessera::corpus {
 namespace {
@@ -130,15 +130,6 @@ std::list<EnvironmentPatch> split(const Cells& cells, unsigned count) {
     return patches;
 }
 
-// The index of the first sum above x, and how far x is from the sum before to that one.
-std::pair<std::size_t, double> find_sum(std::span<const double> sums, double x) {
-    const auto i =
-        std::min(static_cast<std::size_t>(std::ranges::upper_bound(sums, x) - sums.begin()),
-                 sums.size() - 1);
-    const double before = i == 0 ? 0.0 : sums[i - 1];
-    return {i, std::clamp((x - before) / (sums[i] - before), 0.0, 1.0)};
-}
-
 } // namespace
 
 DistantLights::DistantLights(const ModelLight& light, unsigned count) {
@@ -194,16 +185,10 @@ DistantLights::Sample DistantLights::sample(std::size_t number, const glm::dvec2
     const Part& part = parts_[number];
     if (part.rows.empty())
         return {glm::dvec3(part.light.direction), glm::dvec3(part.light.irradiance)};
-    const auto [i, along_row] = find_sum(part.brightness, random.y * part.brightness.back());
-    const Row& row = part.rows[i];
-    const auto [x, along] = find_sum(row.brightness, random.x * row.brightness.back());
-    const double top = std::cos(std::numbers::pi * row.y / rows);
-    const double bottom = std::cos(std::numbers::pi * (row.y + 1) / rows);
-    const double up = top + (bottom - top) * along_row;
-    const double flat = std::sqrt(std::max(0.0, 1.0 - up * up));
-    const double round =
-        2.0 * std::numbers::pi * ((static_cast<double>(row.x0 + x) + along) / columns - 0.5);
-    return {{flat * std::cos(round), up, flat * std::sin(round)}, row.light[x]};
+    const auto [y, along_y] = sample_sums(part.brightness, random.y * part.brightness.back());
+    const Row& row = part.rows[y];
+    const auto [x, along_x] = sample_sums(row.brightness, random.x * row.brightness.back());
+    return {direction_in_cell(row.x0 + x, row.y, columns, rows, {along_x, along_y}), row.light[x]};
 }
 
 } // namespace tessera::corpus

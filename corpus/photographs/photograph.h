@@ -62,10 +62,10 @@ struct PhotographSet {
 // The world's frame is that of the file and is never changed.
 //
 // Errors name the file and the frame: io, bad_argument (no description in the folder, no picture
-// exists, no mask in options.masks), invalid_file (damaged; no frames; numbers that are not finite or not positive; matrices
-// that mirror, scale or skew, or are transposed; a size that the picture does not have; a distortion
-// that folds the picture), unsupported (fisheye lenses, other camera models of COLMAP, rolling
-// shutters, too large pictures, more than most_photographs frames).
+// exists, no mask in options.masks), invalid_file (damaged; no frames; numbers that are not finite
+// or not positive; matrices that mirror, scale or skew, or are transposed; a size that the picture
+// does not have; a distortion that folds the picture), unsupported (fisheye lenses, other camera
+// models of COLMAP, rolling shutters, too large pictures, more than most_photographs frames).
 Result<PhotographSet> read_photographs(const std::string& path,
                                        const PhotographOptions& options = {});
 

@@ -1,5 +1,7 @@
 #include "corpus/trace/emitters.h"
 
+#include "corpus/trace/sampled_sums.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -96,12 +98,7 @@ Emitters::Emitters(std::shared_ptr<const RayModel> model) : model_(std::move(mod
 }
 
 EmitterSample Emitters::sample(const glm::dvec3& origin, const glm::dvec2& random) const {
-    const auto at = std::min(
-        static_cast<std::size_t>(std::ranges::upper_bound(powers_, random.x) - powers_.begin()),
-        powers_.size() - 1);
-    // The rest of the random number chooses the place within the triangle.
-    const double begin = at == 0 ? 0.0 : powers_[at - 1];
-    const double rest = std::clamp((random.x - begin) / (powers_[at] - begin), 0.0, 1.0);
+    const auto [at, rest] = sample_sums(powers_, random.x);
     const ModelPlace place{triangles_[at], folded({rest, random.y})};
     const Model& model = model_->model();
     const glm::dvec3 a = corner(model, place.triangle, 0);

@@ -1,5 +1,7 @@
 #include "corpus/trace/environment.h"
 
+#include "corpus/trace/sampled_sums.h"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -109,26 +111,10 @@ glm::dvec3 Environment::light(const glm::dvec3& direction) const {
 
 LightSample Environment::sample(const glm::dvec2& random) const {
     const std::size_t w = image_.width, h = image_.height;
-    const double row = random.y * rows_.back();
-    const auto y = std::min(
-        static_cast<std::size_t>(std::upper_bound(rows_.begin(), rows_.end(), row) - rows_.begin()),
-        h - 1);
-    const double row_begin = y == 0 ? 0.0 : rows_[y - 1];
-    const auto begin = cells_.begin() + static_cast<std::ptrdiff_t>(y * w);
-    const auto end = begin + static_cast<std::ptrdiff_t>(w);
-    const double cell = random.x * *(end - 1);
-    const auto x =
-        std::min(static_cast<std::size_t>(std::upper_bound(begin, end, cell) - begin), w - 1);
-    const double cell_begin = x == 0 ? 0.0 : cells_[y * w + x - 1];
-    // The rest of the random numbers chooses the place within the cell, evenly in solid angle.
-    const double fx = std::clamp((cell - cell_begin) / (cells_[y * w + x] - cell_begin), 0.0, 1.0);
-    const double fy = std::clamp((row - row_begin) / (rows_[y] - row_begin), 0.0, 1.0);
-    const double top = std::cos(pi * static_cast<double>(y) / static_cast<double>(h));
-    const double bottom = std::cos(pi * static_cast<double>(y + 1) / static_cast<double>(h));
-    const double up = top + (bottom - top) * fy;
-    const double flat = std::sqrt(std::max(0.0, 1.0 - up * up));
-    const double round = 2.0 * pi * ((static_cast<double>(x) + fx) / static_cast<double>(w) - 0.5);
-    const glm::dvec3 d{flat * std::cos(round), up, flat * std::sin(round)};
+    const auto [y, along_y] = sample_sums(rows_, random.y * rows_.back());
+    const std::span<const double> row = std::span(cells_).subspan(y * w, w);
+    const auto [x, along_x] = sample_sums(row, random.x * row.back());
+    const glm::dvec3 d = direction_in_cell(x, y, w, h, {along_x, along_y});
     return {d, light(d), cell_density(x, y)};
 }
 

@@ -34,16 +34,20 @@ template <class T> T must(Result<T> result) {
 // Writes arrays, each a line "name words" and its 32-bit words.
 class Arrays {
 public:
-    explicit Arrays(const char* path) : file_(path, std::ios::binary) {}
+    explicit Arrays(const char* path) : path_(path), file_(path, std::ios::binary) {}
     void add(const char* name, std::span<const std::byte> bytes) {
         file_ << name << ' ' << bytes.size() / 4 << '\n';
         file_.write(reinterpret_cast<const char*>(bytes.data()),
                     static_cast<std::streamsize>(bytes.size()));
     }
     void add(const char* name, const Words& words) { add(name, std::as_bytes(std::span(words))); }
-    bool good() { return static_cast<bool>(file_.flush()); }
+    // Error: io.
+    Status finish() {
+        return file_.flush() ? Status() : Status(ErrorCode::io, path_ + ": could not be written");
+    }
 
 private:
+    std::string path_;
     std::ofstream file_;
 };
 

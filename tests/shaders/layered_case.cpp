@@ -193,8 +193,7 @@ int run(const char* to) {
     add_blocks(sun, camera, out);
     add_vertices(mesh, out);
     out.add("picture", std::as_bytes(std::span(picture.rgb)));
-    if (!out.good())
-        stop({ErrorCode::io, std::string(to) + ": could not be written"});
+    must(out.finish());
     return 0;
 }
 

@@ -231,8 +231,7 @@ int run(const char* path, const char* to) {
     // Camera views are not a texture of a surface, and a layer of 2,048 tiles is the most.
     if (!c.reader.alignment().any() && c.grid.tiles() <= 256)
         add_sampling(c, out);
-    if (!out.good())
-        stop({ErrorCode::io, std::string(to) + ": could not be written"});
+    must(out.finish());
     return 0;
 }
 

@@ -36,7 +36,8 @@ Status write_page(const PageContents& contents, const PageSink& append);
 // Errors: as above.
 Result<std::string> make_server_page();
 
-// A file that the server page fetches where the browser has WebGPU. `name`: such as "gpu_worker.js" or "wgsl/half/texels.comp.wgsl". Nothing if there is no such file.
+// A file that the server page fetches where the browser has WebGPU. `name`: such as "gpu_worker.js"
+// or "wgsl/half/texels.comp.wgsl". Nothing if there is no such file.
 std::optional<ViewerPart> viewer_part(std::string_view name);
 
 } // namespace tessera
