@@ -36,7 +36,7 @@ struct MeshQuantisation {
     unsigned normal_bits = 0;    // 3..16, per octahedral coordinate; 0: no normals are stored
 };
 
-// Encodes a mesh as a Draco stream, the content of section `prxy`. `mesh.normals` may be empty if
+// Encodes a mesh with any uv as a Draco stream, one of the contents of section `prxy`. `mesh.normals` may be empty if
 // none are stored. The decoded mesh has the same triangles, except those with two corners at the
 // same position, but may have other vertices in another order. Viewers see only the decoded mesh,
 // so bakers must start from it. The bytes depend only on the arguments. Takes about 10 microseconds
@@ -44,6 +44,36 @@ struct MeshQuantisation {
 // number that is not finite, uv outside 0..1) or says that no triangle is left; runtime (out of
 // memory, or the bytes decode to another number of triangles).
 Result<std::vector<std::byte>> encode_mesh(const SurfaceMesh& mesh, const MeshQuantisation& bits);
+
+// A flat piece of a surface: the uv of its corners are their positions, projected. That takes half
+// the bytes of a mesh with any uv.
+struct MeshChart {
+    // Turns the world so that u and v grow along x and y: a quaternion (x, y, z, w) of any length
+    // above 0.
+    std::array<std::int8_t, 4> rotation{0, 0, 0, 1};
+    std::uint8_t scale = 255; // (scale + 1) / 256 of MeshCharts::density
+    // The least u and v of the chart, in texels of the atlas.
+    std::array<std::uint32_t, 2> begin{0, 0};
+};
+
+struct MeshCharts {
+    std::array<std::uint32_t, 2> size{1, 1}; // of the atlas, in texels
+    float density = 1;                       // texels per world unit
+    std::vector<MeshChart> charts;
+    std::vector<std::uint32_t> chart_of; // per triangle
+};
+
+// The directions in the world in which u and v of a chart grow, of unit length.
+std::array<glm::dvec3, 2> chart_axes(const MeshChart& chart);
+
+// A mesh with charts is encoded in three steps, because charts are laid out on the mesh that viewers
+// see: encode_shape() encodes everything but uv, decode_shape() gives the decoded mesh without uv,
+// and add_charts() makes the content of section `prxy` of the shape and charts for the triangles of
+// that mesh. Errors: those of encode_mesh() and decode_mesh(); bad_argument if a chart is wrong.
+Result<std::vector<std::byte>> encode_shape(const SurfaceMesh& mesh, const MeshQuantisation& bits);
+Result<SurfaceMesh> decode_shape(std::span<const std::byte> shape, std::uint64_t most_bytes);
+Result<std::vector<std::byte>> add_charts(std::span<const std::byte> shape,
+                                          const MeshCharts& charts);
 
 // Decodes section `prxy`, which may be damaged or malicious. Computes normals if none are stored.
 // Errors: invalid_file; unsupported if it could take more than `most_bytes` of memory, counting

@@ -99,7 +99,6 @@ Result<ModelAtlas> make_fit_atlas(const Model& model, std::span<const PosedPhoto
     layout.tile = {4, 4};
     layout.position_bits = options.position_bits;
     layout.normal_bits = options.normal_bits;
-    layout.uv_shift = 2;
     return make_model_atlas(model, layout);
 }
 

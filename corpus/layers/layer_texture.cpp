@@ -35,12 +35,23 @@ void store_values(LayerTexture& layer, std::size_t texel, std::initializer_list<
 
 namespace {
 
-template <class Stored>
-void store_as(LayerTexture& layer, const LightTexels& light, double most, const Stored& stored) {
-    double brightest = least_scale;
+// The light that at most this share of the lit texels exceeds.
+double exceeded_by(double share, const LightTexels& light) {
+    std::vector<float> lit;
     for (const glm::vec3& x : light)
-        brightest = std::max(brightest, static_cast<double>(std::max({x.x, x.y, x.z})));
-    layer.scale = std::min(brightest, most);
+        if (const float most = std::max({x.x, x.y, x.z}); most > 0.0f)
+            lit.push_back(most);
+    if (lit.empty())
+        return 0.0;
+    const auto from_top = static_cast<std::ptrdiff_t>(share * static_cast<double>(lit.size()));
+    std::ranges::nth_element(lit, lit.begin() + from_top, std::greater<>());
+    return static_cast<double>(lit[static_cast<std::size_t>(from_top)]);
+}
+
+template <class Stored>
+void store_as(LayerTexture& layer, const LightTexels& light, double most, double clipped,
+              const Stored& stored) {
+    layer.scale = std::clamp(exceeded_by(clipped, light), least_scale, most);
     layer.transfer = Transfer::srgb;
     for (std::size_t i = 0; i < light.size(); ++i)
         for (glm::length_t c = 0; c < 3; ++c)
@@ -50,12 +61,12 @@ void store_as(LayerTexture& layer, const LightTexels& light, double most, const 
 
 } // namespace
 
-void store_light(LayerTexture& layer, const LightTexels& light, double most) {
-    store_as(layer, light, most, linear_to_srgb);
+void store_light(LayerTexture& layer, const LightTexels& light, double most, double clipped) {
+    store_as(layer, light, most, clipped, linear_to_srgb);
 }
 
 void store_wide_light(LayerTexture& layer, const LightTexels& light, double most) {
-    store_as(layer, light, most, [](double x) { return linear_to_srgb(std::sqrt(x)); });
+    store_as(layer, light, most, 0.0, [](double x) { return linear_to_srgb(std::sqrt(x)); });
 }
 
 } // namespace tessera::corpus

@@ -30,8 +30,9 @@ void store_values(LayerTexture& layer, std::size_t texel, std::initializer_list<
 // Light before its scale is known: linear, of each texel.
 using LightTexels = std::vector<glm::vec3>;
 
-// Stores light as sRGB, with the scale such that nothing above `most` is clipped.
-void store_light(LayerTexture& layer, const LightTexels& light, double most);
+// Stores light as sRGB. The scale is the light that the share `clipped` of all lit texels exceeds,
+// but at most `most`.
+void store_light(LayerTexture& layer, const LightTexels& light, double most, double clipped = 0.0);
 // The same for light that spans a wide range: as sRGB of the root.
 void store_wide_light(LayerTexture& layer, const LightTexels& light, double most);
 

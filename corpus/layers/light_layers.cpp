@@ -11,6 +11,8 @@ namespace {
 
 constexpr std::uint64_t reflection_paths = 0x72666C63;
 constexpr double most_reflection = 64.0; // times white
+// The brightest texels are noise of rare paths. If they set the scale, all others lose precision.
+constexpr double noisy_share = 1e-3;
 
 // The mean light from the mirrored direction (s, t) at the texels, weighted by their specular lobe:
 // what they mirror, divided by what they would mirror of white light.
@@ -103,7 +105,7 @@ Result<LayerTexture> bake_reflection_layer(const ModelPlaces& places, const Plac
                         texels, places, tracer, options, (s + 0.5) / columns, (t + 0.5) / rows));
         }
     }));
-    store_light(texture, arriving, most_reflection);
+    store_light(texture, arriving, most_reflection, noisy_share);
     return texture;
 }
 

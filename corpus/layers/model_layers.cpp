@@ -5,7 +5,6 @@
 #include "corpus/layers/light_layers.h"
 #include "corpus/layers/material_layers.h"
 
-#include <bit>
 #include <glm/geometric.hpp>
 
 namespace tessera::corpus {
@@ -52,9 +51,6 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     layout.finer = step;
     layout.tile = {16, 16};
     layout.position_bits = options.position_bits;
-    // Exact to a texel of the finest layers. Texels are baked on the decoded mesh, so coarse uv move
-    // none of them to a wrong place.
-    layout.uv_shift = static_cast<unsigned>(std::bit_width(options.light_texel)) - 1;
     TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_layer_atlas(model, layout, options.normal_bits));
     ModelLayers out;
     out.mesh = atlas.stream;

@@ -79,10 +79,9 @@ double shrink_to_detail(std::vector<FlatChart>& charts, const Model& model, doub
     }
     for (std::size_t i = 0; i < charts.size(); ++i) {
         const double share = density_of(details[i], density, finer) / density;
-        for (FlatTriangle& triangle : charts[i].places)
-            for (glm::dvec2& place : triangle)
-                place *= share;
-        charts[i].sides *= share;
+        charts[i].shape.scale =
+            static_cast<std::uint8_t>(std::clamp(std::lround(share * 256.0), 1l, 256l) - 1);
+        charts[i].sides *= (charts[i].shape.scale + 1) / 256.0;
     }
     return density;
 }

@@ -1,4 +1,4 @@
-#include "corpus/model_surface/flat_overlap.h"
+#include "corpus/model_surface/cut_by_normal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -99,68 +99,17 @@ private:
     std::vector<double> areas_;
 };
 
-FlatTriangle seen_along(const Model& model, std::uint32_t triangle, const glm::dvec3& x,
-                        const glm::dvec3& y) {
-    FlatTriangle t;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const glm::dvec3 p(model.vertices[model.triangles[triangle].vertices[k]].position);
-        t[k] = {glm::dot(p, x), glm::dot(p, y)};
-    }
-    return t;
-}
-
-// Projects the piece along its mean normal into a chart, without the triangles that would overlap
-// others. Those form the next chart, and so on.
-void lay_flat(const Model& model, const Facets& f, std::vector<std::uint32_t> piece,
-              std::vector<FlatChart>& charts) {
-    while (!piece.empty()) {
-        glm::dvec3 axis(0.0);
-        double area = 0;
-        for (const std::uint32_t i : piece) {
-            axis += f.areas[i] * f.normals[i];
-            area += f.areas[i];
-        }
-        if (!(glm::length(axis) > 1e-3 * area))
-            axis = f.normals[piece[0]];
-        axis = glm::normalize(axis);
-        const glm::dvec3 side = std::abs(axis.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-        const glm::dvec3 x = glm::normalize(glm::cross(side, axis)), y = glm::cross(axis, x);
-        FlatChart chart;
-        FlatSheet sheet;
-        std::vector<std::uint32_t> left;
-        for (const std::uint32_t i : piece) {
-            const FlatTriangle t = seen_along(model, i, x, y);
-            if (doubled_area(t) > 0.2 * 2.0 * f.areas[i] && sheet.add(t)) {
-                chart.triangles.push_back(i);
-                chart.places.push_back(t);
-            } else {
-                left.push_back(i);
-            }
-        }
-        if (chart.triangles.empty()) { // no triangle faces the mean normal
-            const glm::dvec3 n = f.normals[piece[0]];
-            const glm::dvec3 u = glm::normalize(
-                glm::cross(std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0), n));
-            chart.triangles.push_back(piece[0]);
-            chart.places.push_back(seen_along(model, piece[0], u, glm::cross(n, u)));
-            left.erase(left.begin());
-        }
-        charts.push_back(std::move(chart));
-        piece = std::move(left);
-    }
-}
-
 } // namespace
 
-std::vector<FlatChart> cut_by_normal(const Model& model, const Facets& facets) {
+std::vector<std::vector<std::uint32_t>> cut_by_normal(const Facets& facets) {
     const std::vector<std::uint32_t> chart_of = Growth(facets).run();
     std::map<std::uint32_t, std::vector<std::uint32_t>> pieces;
     for (std::uint32_t i = 0; i < chart_of.size(); ++i)
         pieces[chart_of[i]].push_back(i);
-    std::vector<FlatChart> charts;
+    std::vector<std::vector<std::uint32_t>> all;
     for (auto& [number, piece] : pieces)
-        lay_flat(model, facets, std::move(piece), charts);
-    return charts;
+        all.push_back(std::move(piece));
+    return all;
 }
 
 } // namespace tessera::corpus

@@ -1,51 +1,144 @@
 #include "corpus/model_surface/flat_chart.h"
 
-#include "corpus/model_surface/merge_charts.h"
+#include "corpus/model_surface/cut_by_normal.h"
+#include "corpus/model_surface/flat_overlap.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
 namespace tessera::corpus {
+namespace {
 
-void turn_into_rectangle(FlatChart& chart) {
-    constexpr int turns = 36;
-    double least = 1e300;
-    glm::dvec2 best{1.0, 0.0}, corner{0.0}; // the cosine and the sine of the angle
-    const auto turned = [](const glm::dvec2& p, const glm::dvec2& turn) {
-        return glm::dvec2(p.x * turn.x - p.y * turn.y, p.x * turn.y + p.y * turn.x);
-    };
-    for (int i = 0; i < turns; ++i) {
-        const double angle = std::numbers::pi / 2.0 * i / turns;
-        const glm::dvec2 turn{std::cos(angle), std::sin(angle)};
-        glm::dvec2 low(1e300), high(-1e300);
-        for (const auto& triangle : chart.places)
-            for (const glm::dvec2& p : triangle) {
-                low = glm::min(low, turned(p, turn));
-                high = glm::max(high, turned(p, turn));
-            }
-        const double area = (high.x - low.x) * (high.y - low.y);
-        if (area < least * (1.0 - 1e-9)) {
-            least = area;
-            best = turn;
-            corner = low;
-            chart.sides = high - low;
-        }
-    }
-    for (auto& triangle : chart.places)
-        for (glm::dvec2& p : triangle)
-            p = turned(p, best) - corner;
+// Components of stored rotations. Errors of 2 degrees cost nothing, and more digits cost bytes.
+constexpr double most_of_rotation = 31.0;
+// Triangles that the projection shrinks more are left to another chart.
+constexpr double least_area_kept = 0.2;
+constexpr int turns = 36; // tries to find a small rectangle, in a quarter of a turn
+
+using Axes = std::array<glm::dvec3, 2>;
+
+Axes axes_across(const glm::dvec3& axis) {
+    const glm::dvec3 side = std::abs(axis.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 x = glm::normalize(glm::cross(side, axis));
+    return {x, glm::cross(axis, x)};
 }
 
-std::vector<FlatChart> cut_flat(const Model& model, double density) {
+// The nearest rotation that can be stored.
+std::array<std::int8_t, 4> rotation_to(const Axes& axes) {
+    const glm::dvec3 z = glm::cross(axes[0], axes[1]);
+    const glm::dmat3 rows(axes[0], axes[1], z);
+    const glm::dquat q = glm::quat_cast(glm::transpose(rows));
+    const std::array<double, 4> exact{q.x, q.y, q.z, q.w};
+    const double most = std::abs(
+        *std::ranges::max_element(exact, {}, [](double value) { return std::abs(value); }));
+    const double scale = (q.w < 0.0 ? -most_of_rotation : most_of_rotation) / most;
+    std::array<std::int8_t, 4> stored;
+    std::ranges::transform(exact, stored.begin(), [&](double value) {
+        return static_cast<std::int8_t>(std::lround(value * scale));
+    });
+    return stored;
+}
+
+FlatTriangle seen_along(const Model& model, std::uint32_t triangle, const Axes& axes) {
+    FlatTriangle t;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const glm::dvec3 p(model.vertices[model.triangles[triangle].vertices[k]].position);
+        t[k] = {glm::dot(p, axes[0]), glm::dot(p, axes[1])};
+    }
+    return t;
+}
+
+struct Bounds {
+    glm::dvec2 low{1e300}, high{-1e300};
+    void add(const FlatTriangle& triangle) {
+        for (const glm::dvec2& p : triangle) {
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+        }
+    }
+    double area() const { return (high.x - low.x) * (high.y - low.y); }
+};
+
+// The axes, turned in their plane such that the piece has the smallest rectangle.
+Axes turned_to_rectangle(const Model& model, const std::vector<std::uint32_t>& piece,
+                         const Axes& axes) {
+    Axes best = axes;
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < turns; ++i) {
+        const double angle = std::numbers::pi / 2.0 * i / turns;
+        const Axes turned{std::cos(angle) * axes[0] - std::sin(angle) * axes[1],
+                          std::sin(angle) * axes[0] + std::cos(angle) * axes[1]};
+        Bounds bounds;
+        for (const std::uint32_t triangle : piece)
+            bounds.add(seen_along(model, triangle, turned));
+        if (bounds.area() < least * (1.0 - 1e-9)) {
+            least = bounds.area();
+            best = turned;
+        }
+    }
+    return best;
+}
+
+// Projects the piece along an axis into a chart, and returns the triangles that are left: those that
+// would overlap others or become too small.
+std::vector<std::uint32_t> lay_flat(const Model& model, const Facets& f,
+                                    const std::vector<std::uint32_t>& piece, const glm::dvec3& axis,
+                                    FlatChart& chart) {
+    chart.shape.rotation = rotation_to(turned_to_rectangle(model, piece, axes_across(axis)));
+    const Axes axes = chart_axes(chart.shape);
+    FlatSheet sheet;
+    std::vector<std::uint32_t> left;
+    for (const std::uint32_t i : piece) {
+        const FlatTriangle t = seen_along(model, i, axes);
+        if (doubled_area(t) > least_area_kept * 2.0 * f.areas[i] && sheet.add(t)) {
+            chart.triangles.push_back(i);
+        } else {
+            left.push_back(i);
+        }
+    }
+    return left;
+}
+
+glm::dvec3 mean_normal(const Facets& f, const std::vector<std::uint32_t>& piece) {
+    glm::dvec3 sum(0.0);
+    double area = 0;
+    for (const std::uint32_t i : piece) {
+        sum += f.areas[i] * f.normals[i];
+        area += f.areas[i];
+    }
+    return glm::length(sum) > 1e-3 * area ? glm::normalize(sum) : f.normals[piece[0]];
+}
+
+} // namespace
+
+void measure_sides(FlatChart& chart, const Model& model) {
+    const Axes axes = chart_axes(chart.shape);
+    Bounds bounds;
+    for (const std::uint32_t triangle : chart.triangles)
+        bounds.add(seen_along(model, triangle, axes));
+    chart.sides = (bounds.high - bounds.low) * ((chart.shape.scale + 1) / 256.0);
+}
+
+std::vector<FlatChart> cut_flat(const Model& model) {
     const Facets facets = facets_of(model);
-    std::vector<FlatChart> charts = cut_by_normal(model, facets);
-    for (FlatChart& chart : charts)
-        turn_into_rectangle(chart);
-    charts = merge_charts(std::move(charts), facets, density);
-    for (FlatChart& chart : charts)
-        turn_into_rectangle(chart);
+    std::vector<FlatChart> charts;
+    for (std::vector<std::uint32_t>& piece : cut_by_normal(facets))
+        while (!piece.empty()) {
+            FlatChart chart;
+            std::vector<std::uint32_t> left =
+                lay_flat(model, facets, piece, mean_normal(facets, piece), chart);
+            if (chart.triangles.empty()) { // no triangle faces the mean normal
+                const std::vector<std::uint32_t> first{piece[0]};
+                lay_flat(model, facets, first, facets.normals[piece[0]], chart);
+                left.assign(piece.begin() + 1, piece.end());
+            }
+            measure_sides(chart, model);
+            charts.push_back(std::move(chart));
+            piece = std::move(left);
+        }
     return charts;
 }
 

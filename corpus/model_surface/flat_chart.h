@@ -3,31 +3,26 @@
 
 #include "corpus/model_surface/facets.h"
 #include "corpus/surface/atlas.h"
+#include "format/surface_mesh.h"
 
 #include <glm/vec2.hpp>
 
 namespace tessera::corpus {
 
-// The corners of a triangle in the plane, in world units.
-using FlatTriangle = std::array<glm::dvec2, 3>;
-
 // Triangles of a model in the plane, counter-clockwise and without overlaps, in the rectangle from
-// (0, 0) to `sides`.
+// (0, 0) to `sides`: their projection along the axes of `shape`.
 struct FlatChart {
     std::vector<std::uint32_t> triangles; // indices into Model::triangles
-    std::vector<FlatTriangle> places;     // of each triangle
-    glm::dvec2 sides{0.0};
+    glm::dvec2 sides{0.0};                // with the scale of `shape`
+    MeshChart shape;                      // without its begin
 };
 
-// Connected pieces of the model whose normals differ little, projected along their mean normals.
-std::vector<FlatChart> cut_by_normal(const Model& model, const Facets& facets);
+// The whole model as connected pieces whose normals differ little, projected along their mean
+// normals and turned into small rectangles.
+std::vector<FlatChart> cut_flat(const Model& model);
 
-// The whole model, cut by its normals. Small charts are merged where that saves texels at `density`
-// texels per world unit.
-std::vector<FlatChart> cut_flat(const Model& model, double density);
-
-// Rotates the chart to the smallest rectangle of a few tries and moves it to (0, 0).
-void turn_into_rectangle(FlatChart& chart);
+// Sets FlatChart::sides to those of other positions of the triangles.
+void measure_sides(FlatChart& chart, const Model& model);
 
 // Packs the charts at `density` texels per world unit. Large charts start at multiples of the tile;
 // small ones share a tile. Error: unsupported (too large for an atlas).

@@ -1,12 +1,17 @@
 // Overlaps of triangles in the plane.
 #pragma once
 
-#include "corpus/model_surface/flat_chart.h"
-
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
 #include <map>
 #include <unordered_map>
+#include <vector>
 
 namespace tessera::corpus {
+
+// The corners of a triangle in the plane.
+using FlatTriangle = std::array<glm::dvec2, 3>;
 
 inline double doubled_area(const FlatTriangle& t) {
     const glm::dvec2 p = t[1] - t[0], q = t[2] - t[0];

@@ -3,157 +3,175 @@
 #include "corpus/model_surface/chart_detail.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
-#include <unordered_map>
+#include <optional>
 
 namespace tessera::corpus {
 namespace {
 
 constexpr std::uint64_t most_mesh_bytes = std::uint64_t{1} << 33;
 
-// The mesh of the atlas and, for each of its triangles, that of the model.
-struct Laid {
+using Corners = std::array<glm::dvec3, 3>;
+
+SurfaceMesh mesh_of(const Model& model) {
     SurfaceMesh mesh;
-    std::vector<std::uint32_t> from;
-};
-
-Laid lay(const Model& model, const std::vector<FlatChart>& flat, const std::vector<Chart>& charts,
-         const Texels2& size, bool with_normals) {
-    Laid laid;
-    using Key = std::array<float, 8>;
-    std::map<Key, std::uint32_t> numbers;
-    for (std::size_t c = 0; c < flat.size(); ++c) {
-        numbers.clear();
-        for (std::size_t i = 0; i < flat[c].triangles.size(); ++i) {
-            const ModelTriangle& triangle = model.triangles[flat[c].triangles[i]];
-            std::array<std::uint32_t, 3> corners;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const ModelVertex& vertex = model.vertices[triangle.vertices[k]];
-                const glm::vec3& p = vertex.position;
-                const glm::vec3 n = with_normals ? vertex.normal : glm::vec3(0.0f);
-                glm::vec2 uv;
-                for (glm::length_t a = 0; a < 2; ++a) {
-                    const auto axis = static_cast<std::size_t>(a);
-                    const double side = flat[c].sides[a];
-                    const double place =
-                        side > 0.0 ? std::clamp(flat[c].places[i][k][a] / side, 0.0, 1.0) : 0.5;
-                    const double inner = charts[c].extent[axis] - 2.0 * gutter;
-                    uv[a] = static_cast<float>((charts[c].begin[axis] + gutter + place * inner) /
-                                               size[axis]);
-                }
-                const auto [it, is_new] =
-                    numbers.emplace(Key{p.x, p.y, p.z, uv.x, uv.y, n.x, n.y, n.z},
-                                    static_cast<std::uint32_t>(laid.mesh.positions.size()));
-                if (is_new) {
-                    laid.mesh.positions.push_back(p);
-                    laid.mesh.uv.push_back(uv);
-                    if (with_normals)
-                        laid.mesh.normals.push_back(n);
-                }
-                corners[k] = it->second;
-            }
-            laid.mesh.triangles.push_back(corners);
-            laid.from.push_back(flat[c].triangles[i]);
-        }
+    for (const ModelVertex& vertex : model.vertices) {
+        mesh.positions.push_back(vertex.position);
+        mesh.normals.push_back(vertex.normal);
     }
-    return laid;
-}
-
-// Enough bits for steps of 2^-shift texels.
-unsigned uv_bits_for(const Texels2& size, unsigned shift) {
-    return std::clamp(static_cast<unsigned>(std::bit_width(std::max(size[0], size[1]))) + shift,
-                      10u, 20u);
+    for (const ModelTriangle& triangle : model.triangles)
+        mesh.triangles.push_back(triangle.vertices);
+    return mesh;
 }
 
 struct MatchedTriangle {
-    std::uint32_t triangle = 0; // before
+    std::uint32_t triangle = 0; // of the model
     std::uint32_t turn = 0;     // corner k was corner (k + turn) % 3
 };
 
-// In texels: the root of the sum of the squares for all corners.
-constexpr double most_moved = 0.5;
-
-using Corners = FlatTriangle; // in texels
-
-Corners corners_of(const SurfaceMesh& mesh, std::size_t triangle, const Texels2& size) {
-    Corners c;
-    for (std::size_t k = 0; k < 3; ++k)
-        c[k] = glm::dvec2(mesh.uv[mesh.triangles[triangle][k]]) * glm::dvec2(size[0], size[1]);
-    return c;
-}
-
-std::uint64_t cell_at(double x, double y) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(y)) << 32 ^
-           (static_cast<std::uint64_t>(static_cast<std::int64_t>(x)) & 0xFFFFFFFFu);
-}
-
-// Finds which triangle of the mesh before it was coded each triangle of the decoded mesh is, by the
-// places in the atlas, which quantisation moves by a fraction of a texel. Error: runtime.
-Result<std::vector<MatchedTriangle>>
-match_triangles(const SurfaceMesh& before, const SurfaceMesh& after, const Texels2& size) {
-    std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells; // middles, by texel
-    std::vector<Corners> all;
-    for (std::uint32_t i = 0; i < before.triangles.size(); ++i) {
-        all.push_back(corners_of(before, i, size));
-        const glm::dvec2 middle = (all[i][0] + all[i][1] + all[i][2]) / 3.0;
-        cells[cell_at(std::floor(middle.x), std::floor(middle.y))].push_back(i);
+// Finds which triangle of the model each triangle of the decoded mesh is, by the positions of its
+// corners, which quantisation moves by at most `reach` each.
+class TriangleMatcher {
+public:
+    TriangleMatcher(const Model& model, double reach)
+        : model_(model), reach_(reach), is_matched_(model.triangles.size(), false) {
+        for (std::uint32_t i = 0; i < model.triangles.size(); ++i)
+            cells_[cell_of(middle(corners_of(i)))].push_back(i);
     }
-    std::vector<MatchedTriangle> matches;
-    for (std::uint32_t i = 0; i < after.triangles.size(); ++i) {
-        const Corners own = corners_of(after, i, size);
-        const glm::dvec2 middle = (own[0] + own[1] + own[2]) / 3.0;
-        double least = most_moved * most_moved;
-        MatchedTriangle best;
-        bool found = false;
-        for (int y = -1; y <= 1; ++y)
-            for (int x = -1; x <= 1; ++x) {
-                const auto it =
-                    cells.find(cell_at(std::floor(middle.x) + x, std::floor(middle.y) + y));
-                if (it == cells.end())
-                    continue;
-                for (const std::uint32_t candidate : it->second)
-                    for (std::uint32_t turn = 0; turn < 3; ++turn) {
-                        double moved = 0;
-                        for (std::size_t k = 0; k < 3; ++k) {
-                            const glm::dvec2 way = own[k] - all[candidate][(k + turn) % 3];
-                            moved += glm::dot(way, way);
-                        }
-                        if (moved < least) {
+
+    // Nothing if there is no such triangle. Of several at the same place, each is found once.
+    std::optional<MatchedTriangle> find(const Corners& corners) {
+        const Cell cell = cell_of(middle(corners));
+        double least = 3.0 * reach_ * reach_;
+        std::optional<MatchedTriangle> best;
+        bool best_is_new = false;
+        for (std::int64_t z = -1; z <= 1; ++z)
+            for (std::int64_t y = -1; y <= 1; ++y)
+                for (std::int64_t x = -1; x <= 1; ++x) {
+                    const auto it = cells_.find({cell[0] + x, cell[1] + y, cell[2] + z});
+                    if (it == cells_.end())
+                        continue;
+                    for (const std::uint32_t candidate : it->second)
+                        for (std::uint32_t turn = 0; turn < 3; ++turn) {
+                            const double moved = distance(corners, corners_of(candidate), turn);
+                            const bool is_new = !is_matched_[candidate];
+                            if (moved > least || (moved == least && (best_is_new || !is_new)))
+                                continue;
                             least = moved;
                             best = {candidate, turn};
-                            found = true;
+                            best_is_new = is_new;
                         }
-                    }
-            }
-        if (!found)
-            return Status(ErrorCode::runtime, "triangle " + std::to_string(i) +
-                                                  " of the decoded mesh matches none of the model");
-        matches.push_back(best);
+                }
+        if (best)
+            is_matched_[best->triangle] = true;
+        return best;
     }
-    return matches;
+
+private:
+    using Cell = std::array<std::int64_t, 3>;
+
+    Corners corners_of(std::uint32_t triangle) const {
+        Corners c;
+        for (std::size_t k = 0; k < 3; ++k)
+            c[k] = glm::dvec3(model_.vertices[model_.triangles[triangle].vertices[k]].position);
+        return c;
+    }
+    static glm::dvec3 middle(const Corners& c) { return (c[0] + c[1] + c[2]) / 3.0; }
+    Cell cell_of(const glm::dvec3& p) const {
+        Cell cell;
+        for (std::size_t a = 0; a < 3; ++a)
+            cell[a] = static_cast<std::int64_t>(
+                std::floor(p[static_cast<glm::length_t>(a)] / (2.0 * reach_)));
+        return cell;
+    }
+    // The sum of the squares for all corners.
+    static double distance(const Corners& own, const Corners& other, std::uint32_t turn) {
+        double sum = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const glm::dvec3 way = own[k] - other[(k + turn) % 3];
+            sum += glm::dot(way, way);
+        }
+        return sum;
+    }
+
+    const Model& model_;
+    double reach_;
+    std::vector<bool> is_matched_;
+    std::map<Cell, std::vector<std::uint32_t>> cells_; // the triangles by their middles
+};
+
+// The length of a diagonal between neighbouring positions of a mesh.
+double quantisation_step(const SurfaceMesh& mesh, unsigned position_bits) {
+    glm::dvec3 low(1e300), high(-1e300);
+    for (const glm::vec3& p : mesh.positions) {
+        low = glm::min(low, glm::dvec3(p));
+        high = glm::max(high, glm::dvec3(p));
+    }
+    const glm::dvec3 sides = high - low;
+    const double longest = std::max({sides.x, sides.y, sides.z});
+    return std::sqrt(3.0) * longest / ((1u << position_bits) - 1);
 }
 
-Model put_on(const Model& model, const Laid& laid, const SurfaceMesh& mesh,
-             const std::vector<MatchedTriangle>& matches) {
-    Model put;
-    put.materials = model.materials;
-    put.images = model.images;
-    for (std::size_t i = 0; i < matches.size(); ++i) {
-        const ModelTriangle& from = model.triangles[laid.from[matches[i].triangle]];
+// The triangles of the model in the order of the mesh. No two share vertices. Error: runtime.
+Result<Model> in_order_of(const Model& model, const SurfaceMesh& mesh, unsigned position_bits) {
+    Model ordered;
+    ordered.materials = model.materials;
+    ordered.images = model.images;
+    TriangleMatcher matcher(model, quantisation_step(mesh, position_bits));
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        Corners corners;
+        for (std::size_t k = 0; k < 3; ++k)
+            corners[k] = glm::dvec3(mesh.positions[mesh.triangles[i][k]]);
+        const auto match = matcher.find(corners);
+        if (!match)
+            return Status(ErrorCode::runtime, "triangle " + std::to_string(i) +
+                                                  " of the decoded mesh matches none of the model");
+        const ModelTriangle& from = model.triangles[match->triangle];
         ModelTriangle triangle;
         triangle.material = from.material;
         for (std::size_t k = 0; k < 3; ++k) {
-            ModelVertex v = model.vertices[from.vertices[(k + matches[i].turn) % 3]];
-            v.position = mesh.positions[mesh.triangles[i][k]];
-            triangle.vertices[k] = static_cast<std::uint32_t>(put.vertices.size());
-            put.vertices.push_back(v);
+            triangle.vertices[k] = static_cast<std::uint32_t>(ordered.vertices.size());
+            ordered.vertices.push_back(model.vertices[from.vertices[(k + match->turn) % 3]]);
         }
-        put.triangles.push_back(triangle);
+        ordered.triangles.push_back(triangle);
     }
-    return put;
+    return ordered;
+}
+
+// Moves the model to the positions of the mesh, whose triangles are in the same order.
+void move_to(Model& model, const SurfaceMesh& mesh) {
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+            model.vertices[model.triangles[i].vertices[k]].position =
+                mesh.positions[mesh.triangles[i][k]];
+}
+
+// What readers need to lay the charts into the atlas.
+MeshCharts charts_of(const std::vector<FlatChart>& flat, const ModelAtlas& atlas) {
+    MeshCharts out{.size = atlas.size,
+                   .density = static_cast<float>(atlas.density),
+                   .charts = {},
+                   .chart_of = std::vector<std::uint32_t>(atlas.model.triangles.size())};
+    for (std::uint32_t i = 0; i < flat.size(); ++i) {
+        MeshChart chart = flat[i].shape;
+        double share = 1.0; // make_atlas() shrinks charts that are slightly larger than tiles
+        for (std::size_t a = 0; a < 2; ++a) {
+            chart.begin[a] = atlas.charts[i].begin[a] + gutter;
+            const double texels = flat[i].sides[static_cast<glm::length_t>(a)] * atlas.density;
+            if (const double inner = atlas.charts[i].extent[a] - 2.0 * gutter; texels > inner)
+                share = std::min(share, inner / texels);
+        }
+        if (share < 1.0)
+            chart.scale = static_cast<std::uint8_t>(
+                std::max(std::floor(share * (chart.scale + 1)), 1.0) - 1.0);
+        out.charts.push_back(chart);
+        for (const std::uint32_t triangle : flat[i].triangles)
+            out.chart_of[triangle] = i;
+    }
+    return out;
 }
 
 } // namespace
@@ -174,21 +192,24 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
     if (options.tile[0] <= 2 * gutter || options.tile[1] <= 2 * gutter)
         return Status(ErrorCode::bad_argument, "a tile's sides must be larger than its gutters, " +
                                                    std::to_string(2 * gutter) + " texels");
-    std::vector<FlatChart> flat = cut_flat(model, atlas.density);
+    const MeshQuantisation bits{
+        .position_bits = options.position_bits, .uv_bits = 0, .normal_bits = options.normal_bits};
+    TESSERA_TRY_ASSIGN(const std::vector<std::byte> shape, encode_shape(mesh_of(model), bits));
+    // Viewers see the decoded mesh, so all that follows uses it.
+    TESSERA_TRY_ASSIGN(const SurfaceMesh decoded, decode_shape(shape, most_mesh_bytes));
+    TESSERA_TRY_ASSIGN(atlas.model, in_order_of(model, decoded, options.position_bits));
+    // Rounding turns small triangles over, so charts of the exact positions are larger.
+    std::vector<FlatChart> flat = cut_flat(atlas.model);
+    move_to(atlas.model, decoded);
+    for (FlatChart& chart : flat)
+        measure_sides(chart, atlas.model);
     if (options.finer > 0.0 && options.density == 0.0)
-        atlas.density = shrink_to_detail(flat, model, options.texels, options.finer);
+        atlas.density = shrink_to_detail(flat, atlas.model, options.texels, options.finer);
     TESSERA_TRY_ASSIGN(Atlas packed, pack_charts(flat, atlas.density, options.tile));
     atlas.charts = std::move(packed.charts);
     atlas.size = packed.size;
-    const Laid laid = lay(model, flat, atlas.charts, atlas.size, options.normal_bits > 0);
-    const MeshQuantisation bits{.position_bits = options.position_bits,
-                                .uv_bits = uv_bits_for(atlas.size, options.uv_shift),
-                                .normal_bits = options.normal_bits};
-    TESSERA_TRY_ASSIGN(atlas.stream, encode_mesh(laid.mesh, bits));
-    // Viewers see the decoded mesh, so all that follows uses it.
+    TESSERA_TRY_ASSIGN(atlas.stream, add_charts(shape, charts_of(flat, atlas)));
     TESSERA_TRY_ASSIGN(atlas.mesh, decode_mesh(atlas.stream, most_mesh_bytes));
-    TESSERA_TRY_ASSIGN(const auto matches, match_triangles(laid.mesh, atlas.mesh, atlas.size));
-    atlas.model = put_on(model, laid, atlas.mesh, matches);
     return atlas;
 }
 

@@ -16,7 +16,6 @@ struct ModelAtlasOptions {
     Texels2 tile{32, 32};
     unsigned position_bits = 12;
     unsigned normal_bits = 0; // 0: the normals of the model are not stored
-    unsigned uv_shift = 4;    // uv are exact to 2^-uv_shift texels
 };
 
 struct ModelAtlas {

@@ -87,7 +87,7 @@ public:
     explicit MeshDrawing(MeshLook look) : look_(std::move(look)) {}
 
     Status open(const SurfaceMesh& mesh) {
-        TESSERA_TRY(check_mesh(mesh, true, ErrorCode::bad_argument));
+        TESSERA_TRY(check_mesh(mesh, true, true, ErrorCode::bad_argument));
         TESSERA_TRY(make_programs());
         TESSERA_TRY(upload(mesh));
         bounds_ = bounds_of(mesh);

@@ -32,7 +32,7 @@ bool is_direction(const glm::vec3& n) {
     return length > 1e-6 && length < 1e6;
 }
 
-Status check_counts(const SurfaceMesh& mesh, bool with_normals, ErrorCode code) {
+Status check_counts(const SurfaceMesh& mesh, bool with_uv, bool with_normals, ErrorCode code) {
     const std::size_t vertices = mesh.positions.size();
     if (mesh.triangles.empty())
         return {code, "the mesh has no triangles"};
@@ -41,7 +41,7 @@ Status check_counts(const SurfaceMesh& mesh, bool with_normals, ErrorCode code) 
                           " triangles, more than 2^24"};
     if (vertices > 3 * max_mesh_triangles)
         return {code, "the mesh has " + std::to_string(vertices) + " vertices, more than 3 * 2^24"};
-    if (mesh.uv.size() != vertices)
+    if (with_uv && mesh.uv.size() != vertices)
         return {code, "the mesh has " + std::to_string(vertices) + " positions and " +
                           std::to_string(mesh.uv.size()) + " uv"};
     if (with_normals && mesh.normals.size() != vertices)
@@ -52,12 +52,12 @@ Status check_counts(const SurfaceMesh& mesh, bool with_normals, ErrorCode code) 
 
 } // namespace
 
-Status check_mesh(const SurfaceMesh& mesh, bool with_normals, ErrorCode code) {
-    TESSERA_TRY(check_counts(mesh, with_normals, code));
+Status check_mesh(const SurfaceMesh& mesh, bool with_uv, bool with_normals, ErrorCode code) {
+    TESSERA_TRY(check_counts(mesh, with_uv, with_normals, code));
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         if (!is_place(mesh.positions[i]))
             return {code, element("position", i) + " is not finite, or above 10^30"};
-        if (!is_uv(mesh.uv[i]))
+        if (with_uv && !is_uv(mesh.uv[i]))
             return {code, element("uv", i) + " is not in 0..1"};
         if (with_normals && !is_direction(mesh.normals[i]))
             return {code, element("normal", i) + " has no direction"};

@@ -11,12 +11,15 @@ inline constexpr float max_mesh_coordinate = 1e30f; // the product of two coordi
 // A uv coordinate outside 0..1 by at most this much, the error of dequantisation, counts as 0 or 1.
 inline constexpr float uv_tolerance = 1.0f / (1 << 20);
 
-// Checks a mesh, including vertices that no triangle uses, and its normals only if `with_normals`.
+// Checks a mesh, including vertices that no triangle uses, but its uv and normals only if asked to.
 // Errors: `code`, naming the first wrong element.
-Status check_mesh(const SurfaceMesh& mesh, bool with_normals, ErrorCode code);
+Status check_mesh(const SurfaceMesh& mesh, bool with_uv, bool with_normals, ErrorCode code);
 
 // Whether two corners have the same position. Such a triangle has no area, and Draco drops it.
 bool has_equal_corners(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle);
+
+// A number per vertex, which vertices at exactly the same position have in common. They run from 0.
+std::vector<std::uint32_t> number_positions(const SurfaceMesh& mesh);
 
 // One normal per vertex, of unit length. `mesh.normals` is not read.
 std::vector<glm::vec3> mesh_normals(const SurfaceMesh& mesh);

@@ -1,4 +1,5 @@
 #include "format/io/bytes.h"
+#include "format/surface/chart_tables.h"
 #include "format/surface/mesh_check.h"
 
 #include <algorithm>
@@ -86,9 +87,9 @@ std::uint64_t decoding_bytes(const DracoHeader& header) {
     return std::uint64_t{header.triangles} * bytes_per_triangle + bytes_of_tables;
 }
 
-// Whether the attributes are positions, uv and at most one set of normals, all of them floats with
-// the right number of components.
-bool has_expected_attributes(const draco::PointCloud& cloud) {
+// Whether the attributes are positions, uv if asked for, and at most one set of normals, all of them
+// floats with the right number of components.
+bool has_expected_attributes(const draco::PointCloud& cloud, bool with_uv) {
     int positions = 0, uvs = 0, normals = 0;
     for (int i = 0; i < cloud.num_attributes(); ++i) {
         const draco::PointAttribute& a = *cloud.attribute(i);
@@ -99,7 +100,7 @@ bool has_expected_attributes(const draco::PointCloud& cloud) {
         normals += a.attribute_type() == Attribute::NORMAL;
         uvs += uv;
     }
-    return positions == 1 && uvs == 1 && normals <= 1 &&
+    return positions == 1 && uvs == (with_uv ? 1 : 0) && normals <= 1 &&
            cloud.num_attributes() == positions + uvs + normals;
 }
 
@@ -107,13 +108,17 @@ bool has_expected_attributes(const draco::PointCloud& cloud) {
 // claim any number of attributes with up to 255 components per vertex.
 class MeshDecoder : public draco::MeshEdgebreakerDecoder {
 public:
+    explicit MeshDecoder(bool with_uv) : with_uv_(with_uv) {}
     bool kinds_are_wrong = false;
 
 protected:
     bool DecodeAllAttributes() override {
-        kinds_are_wrong = !has_expected_attributes(*point_cloud());
+        kinds_are_wrong = !has_expected_attributes(*point_cloud(), with_uv_);
         return !kinds_are_wrong && draco::MeshEdgebreakerDecoder::DecodeAllAttributes();
     }
+
+private:
+    bool with_uv_;
 };
 
 template <class Value> std::vector<Value> values_of(const draco::Mesh& mesh, Attribute::Type type) {
@@ -143,15 +148,17 @@ SurfaceMesh copy_of(const draco::Mesh& mesh) {
     return out;
 }
 
-Result<SurfaceMesh> decode_stream(std::span<const std::byte> stream) {
+Result<SurfaceMesh> decode_stream(std::span<const std::byte> stream, bool with_uv) {
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
     draco::Mesh mesh;
-    MeshDecoder decoder;
+    MeshDecoder decoder(with_uv);
     const draco::DecoderOptions options;
     const draco::Status status = decoder.Decode(options, &buffer, &mesh);
     if (decoder.kinds_are_wrong)
-        return invalid_mesh("must hold positions, uv and optionally normals, and nothing else");
+        return invalid_mesh(with_uv
+                                ? "must hold positions, uv and optionally normals, and nothing else"
+                                : "must hold positions and optionally normals, and nothing else");
     if (!status.ok())
         return invalid_mesh("is damaged");
     if (buffer.remaining_size() != 0)
@@ -159,34 +166,59 @@ Result<SurfaceMesh> decode_stream(std::span<const std::byte> stream) {
     return copy_of(mesh);
 }
 
-} // namespace
-
-Result<SurfaceMesh> decode_mesh(std::span<const std::byte> stream, std::uint64_t most_bytes) {
+// The mesh of a Draco stream, with the normals of the stream, if any.
+Result<SurfaceMesh> decode_draco(std::span<const std::byte> stream, bool with_uv,
+                                 std::uint64_t most_bytes) {
     TESSERA_TRY_ASSIGN(const DracoHeader header, read_draco_header(stream));
     if (const std::uint64_t needed = decoding_bytes(header); needed > most_bytes)
         return Status{ErrorCode::unsupported, "the mesh of " + std::to_string(header.triangles) +
                                                   " triangles may take " + std::to_string(needed) +
                                                   " bytes of memory, more than " +
                                                   std::to_string(most_bytes)};
+    TESSERA_TRY_ASSIGN(SurfaceMesh mesh, decode_stream(stream, with_uv));
+    if (mesh.triangles.size() != header.triangles)
+        return invalid_mesh("has " + std::to_string(mesh.triangles.size()) +
+                            " triangles and claims " + std::to_string(header.triangles));
+    TESSERA_TRY(check_mesh(mesh, with_uv, !mesh.normals.empty(), ErrorCode::invalid_file));
+    for (glm::vec2& uv : mesh.uv)
+        uv = glm::clamp(uv, 0.0f, 1.0f);
+    for (glm::vec3& normal : mesh.normals)
+        normal = glm::vec3(glm::normalize(glm::dvec3(normal)));
+    return mesh;
+}
+
+// Calls decode(), and turns what it throws into errors.
+template <class Decode> Result<SurfaceMesh> without_exceptions(const Decode& decode) {
     try {
-        TESSERA_TRY_ASSIGN(SurfaceMesh mesh, decode_stream(stream));
-        if (mesh.triangles.size() != header.triangles)
-            return invalid_mesh("has " + std::to_string(mesh.triangles.size()) +
-                                " triangles and claims " + std::to_string(header.triangles));
-        const bool with_normals = !mesh.normals.empty();
-        TESSERA_TRY(check_mesh(mesh, with_normals, ErrorCode::invalid_file));
-        for (glm::vec2& uv : mesh.uv)
-            uv = glm::clamp(uv, 0.0f, 1.0f);
-        for (glm::vec3& normal : mesh.normals)
-            normal = glm::vec3(glm::normalize(glm::dvec3(normal)));
-        if (!with_normals)
-            mesh.normals = mesh_normals(mesh);
-        return mesh;
+        return decode();
     } catch (const std::bad_alloc&) {
         return Status{ErrorCode::runtime, "out of memory while decoding the mesh"};
     } catch (const std::length_error&) {
         return invalid_mesh("claims more than memory can hold");
     }
+}
+
+} // namespace
+
+Result<SurfaceMesh> decode_shape(std::span<const std::byte> shape, std::uint64_t most_bytes) {
+    return without_exceptions([&] { return decode_draco(shape, false, most_bytes); });
+}
+
+Result<SurfaceMesh> decode_mesh(std::span<const std::byte> stream, std::uint64_t most_bytes) {
+    return without_exceptions([&]() -> Result<SurfaceMesh> {
+        SurfaceMesh mesh;
+        if (has_chart_tables(stream)) {
+            TESSERA_TRY_ASSIGN(const ChartedStream parts, split_charted(stream));
+            TESSERA_TRY_ASSIGN(mesh, decode_draco(parts.shape, false, most_bytes));
+            TESSERA_TRY_ASSIGN(const MeshCharts charts, read_chart_tables(parts, mesh));
+            TESSERA_TRY(lay_charts(mesh, charts));
+        } else {
+            TESSERA_TRY_ASSIGN(mesh, decode_draco(stream, true, most_bytes));
+        }
+        if (mesh.normals.empty())
+            mesh.normals = mesh_normals(mesh);
+        return mesh;
+    });
 }
 
 } // namespace tessera

@@ -42,15 +42,16 @@ struct DracoMesh {
     int position = -1, uv = -1, normal = -1; // ids of the attributes
 };
 
-void fill(DracoMesh& out, const SurfaceMesh& mesh, bool with_normals) {
+void fill(DracoMesh& out, const SurfaceMesh& mesh, bool with_uv, bool with_normals) {
     out.mesh.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
     for (const auto& [a, b, c] : mesh.triangles)
         if (!has_equal_corners(mesh, {a, b, c}))
             out.mesh.AddFace({draco::PointIndex(a), draco::PointIndex(b), draco::PointIndex(c)});
     out.position =
         add_attribute<3>(out.mesh, Kind::POSITION, [&](auto i) { return mesh.positions[i]; });
-    out.uv = add_attribute<2>(out.mesh, Kind::TEX_COORD,
-                              [&](auto i) { return glm::clamp(mesh.uv[i], 0.0f, 1.0f); });
+    if (with_uv)
+        out.uv = add_attribute<2>(out.mesh, Kind::TEX_COORD,
+                                  [&](auto i) { return glm::clamp(mesh.uv[i], 0.0f, 1.0f); });
     if (with_normals)
         out.normal = add_attribute<3>(out.mesh, Kind::NORMAL,
                                       [&](auto i) { return glm::normalize(mesh.normals[i]); });
@@ -76,9 +77,12 @@ std::vector<std::byte> encode_with(const DracoMesh& mesh, const MeshQuantisation
     encoder.SetEncodingSubmethod(prediction.traversal);
     const float origin[2] = {0, 0};
     encoder.SetAttributeQuantization(mesh.position, static_cast<int>(bits.position_bits));
-    encoder.SetAttributeExplicitQuantization(mesh.uv, static_cast<int>(bits.uv_bits), 2, origin, 1);
-    bool ok = encoder.SetAttributePredictionScheme(mesh.position, prediction.position).ok() &&
-              encoder.SetAttributePredictionScheme(mesh.uv, prediction.uv).ok();
+    bool ok = encoder.SetAttributePredictionScheme(mesh.position, prediction.position).ok();
+    if (mesh.uv >= 0) {
+        encoder.SetAttributeExplicitQuantization(mesh.uv, static_cast<int>(bits.uv_bits), 2, origin,
+                                                 1);
+        ok = ok && encoder.SetAttributePredictionScheme(mesh.uv, prediction.uv).ok();
+    }
     if (mesh.normal >= 0) {
         encoder.SetAttributeQuantization(mesh.normal, static_cast<int>(bits.normal_bits));
         ok = ok && encoder.SetAttributePredictionScheme(mesh.normal, prediction.normal).ok();
@@ -105,22 +109,24 @@ std::vector<std::byte> smallest_stream(const DracoMesh& mesh, const MeshQuantisa
     };
     attempt(&Prediction::traversal, draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
     attempt(&Prediction::position, draco::MESH_PREDICTION_PARALLELOGRAM);
-    attempt(&Prediction::uv, draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM);
-    attempt(&Prediction::uv, draco::MESH_PREDICTION_PARALLELOGRAM);
-    attempt(&Prediction::uv, draco::PREDICTION_DIFFERENCE);
+    if (mesh.uv >= 0) {
+        attempt(&Prediction::uv, draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM);
+        attempt(&Prediction::uv, draco::MESH_PREDICTION_PARALLELOGRAM);
+        attempt(&Prediction::uv, draco::PREDICTION_DIFFERENCE);
+    }
     if (mesh.normal >= 0)
         attempt(&Prediction::normal, draco::PREDICTION_DIFFERENCE);
     return stream;
 }
 
-} // namespace
-
-Result<std::vector<std::byte>> encode_mesh(const SurfaceMesh& mesh, const MeshQuantisation& bits) {
+Result<std::vector<std::byte>> encode(const SurfaceMesh& mesh, const MeshQuantisation& bits,
+                                      bool with_uv) {
     TESSERA_TRY(check_bits("position", bits.position_bits, 4, 24));
-    TESSERA_TRY(check_bits("uv", bits.uv_bits, 4, 24));
+    if (with_uv)
+        TESSERA_TRY(check_bits("uv", bits.uv_bits, 4, 24));
     if (bits.normal_bits != 0)
         TESSERA_TRY(check_bits("normal", bits.normal_bits, 3, 16));
-    TESSERA_TRY(check_mesh(mesh, bits.normal_bits != 0, ErrorCode::bad_argument));
+    TESSERA_TRY(check_mesh(mesh, with_uv, bits.normal_bits != 0, ErrorCode::bad_argument));
     const auto flat = std::ranges::count_if(
         mesh.triangles, [&](const auto& t) { return has_equal_corners(mesh, t); });
     const std::size_t wanted = mesh.triangles.size() - static_cast<std::size_t>(flat);
@@ -129,12 +135,13 @@ Result<std::vector<std::byte>> encode_mesh(const SurfaceMesh& mesh, const MeshQu
                       "the mesh has no triangle with three different corners"};
     try {
         DracoMesh copy;
-        fill(copy, mesh, bits.normal_bits != 0);
+        fill(copy, mesh, with_uv, bits.normal_bits != 0);
         std::vector<std::byte> stream = smallest_stream(copy, bits);
         if (stream.empty())
             return Status{ErrorCode::runtime, "Draco could not encode the mesh"};
+        constexpr auto no_limit = std::numeric_limits<std::uint64_t>::max();
         const Result<SurfaceMesh> back =
-            decode_mesh(stream, std::numeric_limits<std::uint64_t>::max());
+            with_uv ? decode_mesh(stream, no_limit) : decode_shape(stream, no_limit);
         if (!back)
             return Status{ErrorCode::runtime,
                           "the encoded mesh does not decode: " + back.status().message()};
@@ -146,6 +153,16 @@ Result<std::vector<std::byte>> encode_mesh(const SurfaceMesh& mesh, const MeshQu
     } catch (const std::bad_alloc&) {
         return Status{ErrorCode::runtime, "out of memory while encoding the mesh"};
     }
+}
+
+} // namespace
+
+Result<std::vector<std::byte>> encode_mesh(const SurfaceMesh& mesh, const MeshQuantisation& bits) {
+    return encode(mesh, bits, true);
+}
+
+Result<std::vector<std::byte>> encode_shape(const SurfaceMesh& mesh, const MeshQuantisation& bits) {
+    return encode(mesh, bits, false);
 }
 
 } // namespace tessera

@@ -41,22 +41,9 @@ struct CornerRuns {
 };
 
 CornerRuns corners_by_position(const SurfaceMesh& mesh) {
-    const std::size_t vertices = mesh.positions.size();
-    std::vector<std::uint32_t> order(vertices);
-    std::iota(order.begin(), order.end(), 0u);
-    const auto position = [&](std::uint32_t i) {
-        const glm::vec3& p = mesh.positions[i];
-        return std::tuple(p.x, p.y, p.z);
-    };
-    std::ranges::sort(order, {}, position);
     CornerRuns runs;
-    runs.group.resize(vertices);
-    std::uint32_t groups = 0;
-    for (std::size_t i = 0; i < vertices; ++i) {
-        if (i > 0 && position(order[i]) != position(order[i - 1]))
-            ++groups;
-        runs.group[order[i]] = groups;
-    }
+    runs.group = number_positions(mesh);
+    const std::uint32_t groups = runs.group.empty() ? 0 : *std::ranges::max_element(runs.group);
     runs.start.assign(std::size_t{groups} + 2, 0);
     for (const auto& triangle : mesh.triangles)
         for (const std::uint32_t vertex : triangle)
@@ -72,6 +59,24 @@ CornerRuns corners_by_position(const SurfaceMesh& mesh) {
 }
 
 } // namespace
+
+std::vector<std::uint32_t> number_positions(const SurfaceMesh& mesh) {
+    std::vector<std::uint32_t> order(mesh.positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto position = [&](std::uint32_t i) {
+        const glm::vec3& p = mesh.positions[i];
+        return std::tuple(p.x, p.y, p.z);
+    };
+    std::ranges::sort(order, {}, position);
+    std::vector<std::uint32_t> numbers(order.size());
+    std::uint32_t number = 0;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        if (i > 0 && position(order[i]) != position(order[i - 1]))
+            ++number;
+        numbers[order[i]] = number;
+    }
+    return numbers;
+}
 
 std::vector<glm::vec3> mesh_normals(const SurfaceMesh& mesh) {
     std::vector<glm::dvec3> own(mesh.positions.size(), glm::dvec3{0.0});

@@ -410,5 +410,21 @@ TEST(ModelLayers, CanBeInterrupted) {
     EXPECT_EQ(layers.status().code(), ErrorCode::runtime);
 }
 
+TEST(ModelLayers, FewNoisyTexelsDoNotSetTheScale) {
+    LightTexels light(2000, glm::vec3(0.5f));
+    light[0] = glm::vec3(0.0f);
+    light[7] = glm::vec3(50.0f);
+    LayerTexture exact = make_layer(LayerRole::reflection, {2000, 1, 1, 1}, 3), robust = exact;
+    store_light(exact, light, 64.0);
+    EXPECT_EQ(exact.scale, 50.0);
+    store_light(robust, light, 64.0, 1e-3);
+    EXPECT_EQ(robust.scale, 0.5);
+    EXPECT_EQ(robust.texels[0], std::byte{0});
+    EXPECT_EQ(robust.texels[3], std::byte{255});
+    EXPECT_EQ(robust.texels[21], std::byte{255});
+    store_light(robust, LightTexels(2000, glm::vec3(0.0f)), 64.0, 1e-3);
+    EXPECT_EQ(robust.scale, 1e-3);
+}
+
 } // namespace
 } // namespace tessera::corpus

@@ -47,6 +47,9 @@ TEST(ModelSurface, ChartsDoNotOverlap) {
         EXPECT_EQ(atlas.mesh.triangles.size(), model.triangles.size());
         expect_no_overlap(atlas);
         EXPECT_LE(atlas.charts.size(), 16u);
+        // Stored uv would take more bytes.
+        if (atlas.mesh.triangles.size() > 100)
+            EXPECT_LT(atlas.stream.size(), encode_mesh(atlas.mesh, {12, 12, 0})->size());
     }
 }
 
@@ -65,22 +68,21 @@ TEST(ModelSurface, TexelsFollowTheDetailOfPictures) {
         for (const glm::vec2 p : {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(0, 1)})
             model.vertices.push_back({.position = {p, 0.0f}, .uv = {p, p}});
         model.triangles.push_back({{first, first + 1, first + 2}, i});
-        charts[i] = {{i}, {{glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(0, 1)}}, {1, 1}};
+        charts[i] = {.triangles = {i}, .sides = {1, 1}, .shape = {}};
     }
     const double density = shrink_to_detail(charts, model, 20'000, 1.0);
     EXPECT_EQ(charts[2].sides, glm::dvec2(1.0));
-    EXPECT_NEAR(charts[1].sides.x * density, 1.4 * 64, 0.1);
-    EXPECT_NEAR(charts[0].sides.x, 0.5, 1e-9);
-    EXPECT_EQ(charts[0].places[0][1], glm::dvec2(0.5, 0.0));
+    EXPECT_NEAR(charts[1].sides.x * density, 1.4 * 64, density / 256);
+    EXPECT_EQ(charts[0].sides.x, 0.5);
+    EXPECT_EQ(charts[0].shape.scale, 127);
     double texels = 0;
     for (const FlatChart& chart : charts)
         texels += 0.5 * std::pow(chart.sides.x * density, 2);
-    EXPECT_NEAR(texels, 20'000, 1);
+    EXPECT_NEAR(texels, 20'000, 200);
     // Without pictures all have the same density.
     for (ModelMaterial& m : model.materials)
         m.normal_texture.image = -1;
-    std::vector<FlatChart> plain(
-        3, {{0}, {{glm::dvec2(0), glm::dvec2(1, 0), glm::dvec2(0, 1)}}, {1, 1}});
+    std::vector<FlatChart> plain(3, {.triangles = {0}, .sides = {1, 1}, .shape = {}});
     const double even = shrink_to_detail(plain, model, 15'000, 1.0);
     EXPECT_NEAR(plain[0].sides.x * even, 100.0, 1e-3);
 }
@@ -104,7 +106,7 @@ Model loose_squares(std::uint32_t count) {
     return model;
 }
 
-TEST(ModelSurface, SmallChartsAreMerged) {
+TEST(ModelSurface, LooseTrianglesShareCharts) {
     // 2000 triangles without common vertices, on both sides, as in models of foliage.
     Model model = loose_squares(1000);
     const std::vector<ModelTriangle> fronts = std::move(model.triangles);
@@ -113,9 +115,9 @@ TEST(ModelSurface, SmallChartsAreMerged) {
         model.triangles.push_back(t);
         model.triangles.push_back({{t.vertices[0], t.vertices[2], t.vertices[1]}, 0});
     }
-    EXPECT_LE(cut_flat(model, 2.0).size(), 2u);
+    EXPECT_LE(cut_flat(model).size(), 2u);
     expect_no_overlap(atlas_of(model, 4000));
-    EXPECT_EQ(cut_flat(cube_model(), 2.0).size(), 6u); // not across sharp edges
+    EXPECT_EQ(cut_flat(cube_model()).size(), 6u); // not across sharp edges
 }
 
 TEST(ModelSurface, EdgesJoinTrianglesAtTheSamePosition) {

@@ -9,8 +9,20 @@ namespace tessera::fuzz::mesh {
 
 constexpr std::uint64_t most_memory = 64u << 20;
 
+// Each side of a cube as a chart.
+Bytes charted_cube() {
+    const Bytes shape = *encode_shape(test::six_charts(2, false), {8, 0, 0});
+    const auto mesh = *decode_shape(shape, most_memory);
+    MeshCharts charts{.size = {64, 8}, .density = 1, .charts = {}, .chart_of = {}};
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        charts.charts.push_back({{3, 1, 2, 7}, 200, {i, 0}});
+        charts.chart_of.push_back(i - i % 5);
+    }
+    return *add_charts(shape, charts);
+}
+
 std::vector<Bytes> seeds() {
-    return {*encode_mesh(test::six_charts(1, false), {}),
+    return {charted_cube(), *encode_mesh(test::six_charts(1, false), {}),
             *encode_mesh(test::six_charts(3, true), {10, 10, 6}),
             *encode_mesh(test::triangle_soup(5, 1), {8, 8, 0})};
 }
