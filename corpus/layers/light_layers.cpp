@@ -45,6 +45,12 @@ glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& 
     return sum * options.exposure / glm::max(weights, 1e-6);
 }
 
+// Dim reflections need less precision: an error of a sample is multiplied by the scale.
+double quality_for_scale(double scale) {
+    constexpr double usual_scale = 8.0, per_doubling = 3.5;
+    return std::clamp(per_doubling * std::log2(scale / usual_scale), -36.0, 6.0);
+}
+
 } // namespace
 
 Result<LayerTexture> bake_visibility_layer(const ModelPlaces& places, const PlaceLight& light,
@@ -106,6 +112,7 @@ Result<LayerTexture> bake_reflection_layer(const ModelPlaces& places, const Plac
         }
     }));
     store_light(texture, arriving, most_reflection, noisy_share);
+    texture.quality_change = quality_for_scale(texture.scale);
     return texture;
 }
 

@@ -12,11 +12,8 @@
 namespace tessera::corpus {
 namespace {
 
-// Components of stored rotations. Errors of 2 degrees cost nothing, and more digits cost bytes.
-constexpr double most_of_rotation = 31.0;
 // Triangles that the projection shrinks more are left to another chart.
 constexpr double least_area_kept = 0.2;
-constexpr int turns = 36; // tries to find a small rectangle, in a quarter of a turn
 
 using Axes = std::array<glm::dvec3, 2>;
 
@@ -26,19 +23,27 @@ Axes axes_across(const glm::dvec3& axis) {
     return {x, glm::cross(axis, x)};
 }
 
-// The nearest rotation that can be stored.
+// A rotation that can be stored, a fraction of a degree away: borders of charts should keep the
+// direction of rows or columns of texels, because slanted ones take more bytes.
 std::array<std::int8_t, 4> rotation_to(const Axes& axes) {
+    constexpr int most = 127;
     const glm::dvec3 z = glm::cross(axes[0], axes[1]);
     const glm::dmat3 rows(axes[0], axes[1], z);
     const glm::dquat q = glm::quat_cast(glm::transpose(rows));
-    const std::array<double, 4> exact{q.x, q.y, q.z, q.w};
-    const double most = std::abs(
-        *std::ranges::max_element(exact, {}, [](double value) { return std::abs(value); }));
-    const double scale = (q.w < 0.0 ? -most_of_rotation : most_of_rotation) / most;
-    std::array<std::int8_t, 4> stored;
-    std::ranges::transform(exact, stored.begin(), [&](double value) {
-        return static_cast<std::int8_t>(std::lround(value * scale));
-    });
+    const glm::dvec4 exact = (q.w < 0.0 ? -1.0 : 1.0) * glm::dvec4(q.x, q.y, q.z, q.w);
+    const glm::dvec4 sizes = glm::abs(exact);
+    const double largest = std::max({sizes.x, sizes.y, sizes.z, sizes.w});
+    double best = 0;
+    std::array<std::int8_t, 4> stored{};
+    for (int length = most / 2; length <= most; ++length) {
+        const glm::dvec4 tried = glm::round(exact * (length / largest));
+        const double cosine = glm::dot(glm::normalize(tried), exact);
+        if (cosine <= best)
+            continue;
+        best = cosine;
+        stored = {static_cast<std::int8_t>(tried.x), static_cast<std::int8_t>(tried.y),
+                  static_cast<std::int8_t>(tried.z), static_cast<std::int8_t>(tried.w)};
+    }
     return stored;
 }
 
@@ -65,21 +70,28 @@ struct Bounds {
 // The axes, turned in their plane such that the piece has the smallest rectangle.
 Axes turned_to_rectangle(const Model& model, const std::vector<std::uint32_t>& piece,
                          const Axes& axes) {
-    Axes best = axes;
+    constexpr int steps = 18, searches = 3; // each search is around the best angle of the last one
+    double best = std::numbers::pi / 4.0, reach = best;
     double least = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < turns; ++i) {
-        const double angle = std::numbers::pi / 2.0 * i / turns;
-        const Axes turned{std::cos(angle) * axes[0] - std::sin(angle) * axes[1],
-                          std::sin(angle) * axes[0] + std::cos(angle) * axes[1]};
-        Bounds bounds;
-        for (const std::uint32_t triangle : piece)
-            bounds.add(seen_along(model, triangle, turned));
-        if (bounds.area() < least * (1.0 - 1e-9)) {
-            least = bounds.area();
-            best = turned;
+    const auto turned = [&](double angle) {
+        return Axes{std::cos(angle) * axes[0] - std::sin(angle) * axes[1],
+                    std::sin(angle) * axes[0] + std::cos(angle) * axes[1]};
+    };
+    for (int search = 0; search < searches; ++search, reach /= steps) {
+        const double middle = best;
+        for (int i = -steps; i <= steps; ++i) {
+            const double angle = middle + reach * i / steps;
+            const Axes tried = turned(angle);
+            Bounds bounds;
+            for (const std::uint32_t triangle : piece)
+                bounds.add(seen_along(model, triangle, tried));
+            if (bounds.area() < least * (1.0 - 1e-9)) {
+                least = bounds.area();
+                best = angle;
+            }
         }
     }
-    return best;
+    return turned(best);
 }
 
 // Projects the piece along an axis into a chart, and returns the triangles that are left: those that

@@ -12,8 +12,7 @@ namespace {
 
 constexpr double usual_layer_quality = 58;
 constexpr double least_quality = 1, most_quality = 100;
-// Of the searches, each halves the range.
-constexpr int quality_steps = 6, psnr_steps = 8;
+constexpr int size_steps = 7, psnr_steps = 8; // of the searches
 
 // The quality of a layer, so that all layers save about the same error per byte (FlightHelmet).
 double quality_of(LayerRole role, double quality) {
@@ -92,26 +91,59 @@ Result<CodedLayers> encode_at(const corpus::ModelLayers& baked, const EncodeOpti
     return coded;
 }
 
-// The best quality with which the file has at most so many bytes.
+// A file of this quality, and the logarithm of its bytes, which grows almost linearly.
+struct TriedSize {
+    double quality = 0, log_bytes = 0;
+};
+
+// The quality to try next for a file of so many bytes. Nothing if there is none left to try.
+std::optional<double> next_quality(const std::optional<TriedSize>& fits,
+                                   const std::optional<TriedSize>& exceeds, double log_bytes) {
+    constexpr double usual_slope = 0.045; // of log_bytes
+    constexpr double least_step = 0.02;
+    const double low = fits ? fits->quality + least_step : least_quality,
+                 high = exceeds ? exceeds->quality - least_step : most_quality;
+    if (low > high)
+        return std::nullopt;
+    const TriedSize& from = fits ? *fits : *exceeds;
+    const double slope = fits && exceeds ? (exceeds->log_bytes - fits->log_bytes) /
+                                               (exceeds->quality - fits->quality)
+                                         : usual_slope;
+    return std::clamp(from.quality + (log_bytes - from.log_bytes) / std::max(slope, 1e-3), low,
+                      high);
+}
+
+// The best quality with which the file has at most so many bytes, to half a per cent of them.
 Result<CodedLayers> encode_in(const corpus::ModelLayers& baked, const EncodeOptions& options,
                               std::uint64_t most_bytes, const std::string& option) {
-    double low = least_quality, high = most_quality;
-    TESSERA_TRY_ASSIGN(CodedLayers best, encode_at(baked, options, {low}));
-    if (best.file.size() > most_bytes)
-        return Status(ErrorCode::bad_argument,
-                      option + ": even at the lowest quality the layers take " +
-                          std::to_string(best.file.size()) + " bytes, of which " +
-                          std::to_string(baked.mesh.size()) +
-                          " are the mesh; --texels makes fewer texels");
-    for (int i = 0; i < quality_steps; ++i) {
-        const double middle = (low + high) / 2;
-        TESSERA_TRY_ASSIGN(CodedLayers tried, encode_at(baked, options, {middle}));
-        const bool fits = tried.file.size() <= most_bytes;
-        (fits ? low : high) = middle;
-        if (fits)
+    constexpr double close_enough = 0.995;
+    const auto most = static_cast<double>(most_bytes);
+    const double wanted = std::log(most * (1.0 + close_enough) / 2.0);
+    std::optional<CodedLayers> best;
+    std::optional<TriedSize> fits, exceeds;
+    std::optional<double> quality = usual_layer_quality;
+    for (int i = 0; i < size_steps && quality; ++i) {
+        TESSERA_TRY_ASSIGN(CodedLayers tried, encode_at(baked, options, {*quality}));
+        const auto bytes = static_cast<double>(tried.file.size());
+        const bool is_small = bytes <= most;
+        (is_small ? fits : exceeds) = {*quality, std::log(bytes)};
+        if (is_small)
             best = std::move(tried);
+        if ((is_small && (bytes >= close_enough * most || *quality == most_quality)) ||
+            (!is_small && *quality == least_quality))
+            break;
+        quality = next_quality(fits, exceeds, wanted);
     }
-    return best;
+    if (best)
+        return std::move(*best);
+    TESSERA_TRY_ASSIGN(CodedLayers least, encode_at(baked, options, {least_quality}));
+    if (least.file.size() <= most_bytes)
+        return least;
+    return Status(ErrorCode::bad_argument,
+                  option + ": even at the lowest quality the layers take " +
+                      std::to_string(least.file.size()) + " bytes, of which " +
+                      std::to_string(baked.mesh.size()) +
+                      " are the mesh; --texels makes fewer texels");
 }
 
 // The least quality whose sum_psnr is at least `psnr`.
