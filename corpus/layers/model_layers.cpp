@@ -50,6 +50,9 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     layout.texels = options.texels / (step * step);
     layout.finer = step;
     layout.tile = {16, 16};
+    // Whole tiles of the finest layers. Those of other sides would begin at odd texels, across
+    // charts, and without mips.
+    layout.side_step = std::max(LayerTexture().tile[axis_u] / options.light_texel, 1u);
     layout.position_bits = options.position_bits;
     TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_layer_atlas(model, layout, options.normal_bits));
     ModelLayers out;

@@ -207,7 +207,9 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
         atlas.density = shrink_to_detail(flat, atlas.model, options.texels, options.finer);
     TESSERA_TRY_ASSIGN(Atlas packed, pack_charts(flat, atlas.density, options.tile));
     atlas.charts = std::move(packed.charts);
-    atlas.size = packed.size;
+    for (std::size_t a = 0; a < 2; ++a)
+        atlas.size[a] =
+            (packed.size[a] + options.side_step - 1) / options.side_step * options.side_step;
     TESSERA_TRY_ASSIGN(atlas.stream, add_charts(shape, charts_of(flat, atlas)));
     TESSERA_TRY_ASSIGN(atlas.mesh, decode_mesh(atlas.stream, most_mesh_bytes));
     return atlas;

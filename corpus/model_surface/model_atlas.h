@@ -14,6 +14,7 @@ struct ModelAtlasOptions {
     // atlas, unless `density` is given; see shrink_to_detail().
     double finer = 0;
     Texels2 tile{32, 32};
+    std::uint32_t side_step = 1; // the sides of the atlas are multiples of it
     unsigned position_bits = 12;
     unsigned normal_bits = 0; // 0: the normals of the model are not stored
 };

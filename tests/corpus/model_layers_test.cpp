@@ -402,6 +402,17 @@ TEST(LayerTrial, FindsSharpReflections) {
     EXPECT_EQ(decibels(two), 100);
 }
 
+// So that readers have mips, which need tiles that begin at even texels.
+TEST(ModelLayers, FinestLayersAreWholeTiles) {
+    for (const std::uint32_t light_texel : {1u, 2u, 4u}) {
+        ModelLayersOptions options = quick();
+        options.light_texel = light_texel;
+        const LayerTexture diffuse = baked(cube_model(), white_light(), options).layers[0];
+        EXPECT_EQ(diffuse.desc.size[axis_u] % diffuse.tile[axis_u], 0u) << light_texel;
+        EXPECT_EQ(diffuse.desc.size[axis_v] % diffuse.tile[axis_v], 0u) << light_texel;
+    }
+}
+
 TEST(ModelLayers, CanBeInterrupted) {
     ModelLayersOptions options = quick();
     options.run.cancelled = [] { return true; };
