@@ -39,13 +39,19 @@ function makeFiles() {
     tessera('bake', 'box.gltf', '-o', 'layered.glb', '--layered', '--texels', '20000', '--lights', '6', '--spp', '1',
             '--quality', '90', '-q');
     tessera('convert', 'layered.glb', '-o', 'layered.tess', '-q');
-    tessera('convert', 'layered.tess', '-o', 'draco.glb', '--draco', '--jpeg', '90', '--picture-side', '64', '-q');
+    tessera('convert', 'layered.tess', '-o', 'draco.glb', '--mesh-compression', 'draco', '--jpeg', '90', '--picture-side', '64', '-q');
     tessera('bake', 'composed', '-o', 'single.tess', '--proxy', 'mesh', '--density', '6', '--directions', '8x8',
             '--angular-map', 'octahedral-hemisphere', '--spp', '1', '--effort', '0', '-q');
     tessera('convert', 'single.tess', '-o', 'single.glb', '-q');
     tessera('bake', 'composed', '-o', 'mirrored.tess', '--proxy', 'mesh', '--density', '6', '--directions', '8x8',
             '--angular-map', 'octahedral-mirrored', '--spp', '1', '--effort', '0', '-q');
     tessera('convert', 'mirrored.tess', '-o', 'mirrored.glb', '-q');
+    tessera('convert', 'layered.tess', '-o', 'meshopt.glb', '--mesh-compression', 'meshopt', '-q');
+    fs.writeFileSync(at('blended.gltf'), bumpyBox(0.5));
+    tessera('bake', 'blended.gltf', '-o', 'blended.glb', '--layered', '--texels', '8000', '--lights', '6', '--spp', '1',
+            '--quality', '90', '-q');
+    tessera('convert', 'blended.glb', '-o', 'blended.tess', '-q');
+    tessera('convert', 'blended.tess', 'single.tess', '-o', 'two.glb', '-q');
     const glb = fs.readFileSync(at('layered.glb'));
     fs.writeFileSync(at('damaged.glb'), changedGlb(glb, (json, chunk) => {
         const {byteOffset, byteLength} = json.bufferViews[extensionOf(json).bufferView];
@@ -57,7 +63,7 @@ function makeFiles() {
 const tests = {
     async 'the validator of Khronos has no error and no warning'() {
         const validator = createRequire(path.join(modules, 'x.js'))('gltf-validator');
-        for (const name of ['layered.glb', 'draco.glb', 'single.glb']) {
+        for (const name of ['layered.glb', 'draco.glb', 'meshopt.glb', 'single.glb', 'blended.glb', 'two.glb']) {
             const {issues} = await validator.validateBytes(new Uint8Array(fs.readFileSync(at(name))));
             console.log(`   ${name}: ${issues.numErrors} errors, ${issues.numWarnings} warnings, ${issues.numInfos} ` +
                         `infos, ${issues.numHints} hints`);
@@ -115,11 +121,31 @@ const tests = {
         assert.match(warnings[0], /has layers: use WebGLRenderer; the picture is shown instead/);
     },
     async 'meshes may be compressed'() {
+        for (const name of ['draco', 'meshopt'])
+            for (const engine of ['three', 'babylon']) {
+                const [picture, {warnings}] = await draw(engine, `${name}.glb`, true, views.layered);
+                const {psnr} = compared(picture, reference('layered', views.layered));
+                console.log(`   ${name} in ${engine}: ${psnr.toFixed(1)} dB`);
+                assert.deepEqual(warnings, []);
+                assert(psnr > 35);
+            }
+    },
+    async 'surfaces with a layer of opacity blend'() {
+        // Both engines blend display values, tessera render linear light.
         for (const engine of ['three', 'babylon']) {
-            const [picture] = await draw(engine, 'draco.glb', true, views.layered);
-            const {psnr} = compared(picture, reference('layered', views.layered));
-            console.log(`   Draco in ${engine}: ${psnr.toFixed(1)} dB`);
-            assert(psnr > 35);
+            const [picture, {warnings}] = await draw(engine, 'blended.glb', true, views.layered);
+            const {share, psnr} = compared(picture, reference('blended', views.layered));
+            console.log(`   ${engine}: ${(100 * share).toFixed(2)} % of the pixels, ${psnr.toFixed(1)} dB`);
+            assert.deepEqual(warnings, []);
+            assert(psnr > 25, `${psnr} dB`); // 27.0
+        }
+    },
+    async 'several textures are drawn'() {
+        for (const engine of ['three', 'babylon']) {
+            const [, {warnings, materials}] = await draw(engine, 'two.glb', true, views.layered);
+            assert.deepEqual(warnings, []);
+            assert.equal(materials.length, 3); // what hides, what blends, and the other file
+            assert(materials.every(type => type === 'RawShaderMaterial' || type === 'ShaderMaterial'), materials);
         }
     },
     async 'without the plugin the picture shows'() {

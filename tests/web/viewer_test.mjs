@@ -129,12 +129,13 @@ const tests = {
         }
     },
     async 'layers: what render draws, damage, and too little memory'(browser, {url}) {
-        tessera('view', inFolder('lit.tess'), '-o', inFolder('lit.html'), '-q');
-        tessera('convert', inFolder('lit.tess'), '-o', inFolder('lit.glb'), '-q');
+        tessera('convert', inFolder('panes.tess'), inFolder('lit.tess'), '-o', inFolder('lit.glb'), '--picture-side', '32',
+                '-q');
+        tessera('view', inFolder('lit.glb#1'), '-o', inFolder('lit.html'), '-q');
         const views = [{eye: '6,4,5'}, {eye: '1.6,1.3,1.9', look: '0.4,0.2,0.9', fov: 30}, {eye: '-30,18,9', fov: 12}];
         for (const [i, pose] of views.entries()) {
             const at = hash(pose, '400x300');
-            await browser.open(i === 1 ? `${url}?f=lit.glb${at.replace('#', '#parts&')}`
+            await browser.open(i === 1 ? `${url}?f=lit.glb&texture=1${at.replace('#', '#parts&')}`
                                        : `file://${inFolder('lit.html')}${at}`);
             const picture = await browser.picture();
             const {psnr} = compared(picture, rendered('lit.tess', pose, '400x300'));

@@ -34,5 +34,10 @@ export function attributesOf(surface: Surface): ('normal' | 'uv' | 'tangent')[];
  * the matrix from there to the screen. `uniforms` declares what they use.
  */
 export function vertexShader(names: {uniforms: string; eye: string; project: string}): string;
-/** GLSL ES 3.00 with one sampler per layer and, if there are lights, the sampler `lights`. */
-export function fragmentShader(surface: Surface): string;
+/** Whether the surface has a layer of opacity. */
+export function isTranslucent(surface: Surface): boolean;
+/**
+ * GLSL ES 3.00 with one sampler per layer and, if there are lights, the sampler `lights`. `blends`: alpha is the layer
+ * of opacity, by which the colours are not multiplied; else alpha is 1.
+ */
+export function fragmentShader(surface: Surface, blends?: boolean): string;

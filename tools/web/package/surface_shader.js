@@ -7,7 +7,7 @@ import {ANGULAR_MAP, LAYER_ROLE, PROXY, SAMPLE_TYPE, SURFACE_MAP, TRANSFER} from
 const usualSide = 16384; // the longest side of a texture on most devices, in pixels; some allow only 8192
 const single = 'texture';
 const drawnRoles = ['diffuse', 'emission', 'specular', 'roughness', 'normal', 'visibility', 'reflection', 'coverage',
-                    'environment', 'difference', 'sharedDifference']; // keys of LAYER_ROLE
+                    'environment', 'difference', 'sharedDifference', 'opacity']; // keys of LAYER_ROLE
 
 // The texture of an open file as {angularMap, layers, lights}. `layers` has {name, size, columns, srgb, scale, picture}
 // for each layer, in which `picture` is {width, height, half, pixels} with RGBA pixels: numbers of 8 bits or, if
@@ -120,8 +120,14 @@ void main() {
 
 const number = x => Number.isInteger(x) ? `${x}.0` : `${x}`;
 
-// The uniforms are one sampler per layer, `NAMELayer`, and the sampler `lights` if there are lights.
-export function fragmentShader({angularMap, layers, lights}) {
+// Whether the layer of opacity lets something behind the surface be seen.
+export function isTranslucent({layers}) {
+    return layers.some(({name}) => name === 'opacity');
+}
+
+// The uniforms are one sampler per layer, `NAMELayer`, and the sampler `lights` if there are lights. blends: alpha is
+// the opacity, else 1. Colours are not multiplied by it.
+export function fragmentShader({angularMap, layers, lights}, blends = false) {
     const by = Object.fromEntries(layers.map(layer => [layer.name, layer]));
     // A layer of one view, of one of several, and of the direction mirrored about frame.z.
     const place = ({name, size, columns}) => `${name}Layer, ivec2(${size[0]}, ${size[1]}), ${columns}`;
@@ -139,6 +145,8 @@ export function fragmentShader({angularMap, layers, lights}) {
         lines.push(`colour = ${turned(single, 'surfacePlace', angularMap)};`);
     else
         lines.push(...layeredLines(by, lights, {at, turned, light}));
+    if (blends && by.opacity)
+        lines.push(`float hidden = ${at('opacity')}.r;`, 'colour.a = hidden < tsr_full_opacity ? hidden : 1.0;');
     return `precision highp float;
 precision highp int;
 precision highp sampler2D;

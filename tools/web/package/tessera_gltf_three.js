@@ -15,10 +15,10 @@ function longestSide() {
     return side;
 }
 
-// wasm: as for loadTessera(). warn(text) is called with a sentence for each texture that is replaced. materialOf(surface)
-// makes another material than the one for WebGLRenderer.
+// wasm: as for loadTessera(). warn(text) is called with a sentence for each texture that is replaced. materialOf(surface, {blends})
+// makes another material than the one for WebGLRenderer; blends: whether the material of the file has alphaMode BLEND.
 export function tesseraGltf(THREE, wasm, warn = text => console.warn(text),
-                            materialOf = surface => surfaceMaterial(THREE, surface)) {
+                            materialOf = (surface, options) => surfaceMaterial(THREE, surface, options)) {
     const textures = new GltfTextures(wasm);
     return parser => ({
         name: GLB_EXTENSION,
@@ -28,12 +28,12 @@ export function tesseraGltf(THREE, wasm, warn = text => console.warn(text),
             const readView = async view => new Uint8Array(await parser.getDependency('bufferView', view));
             return textures.surface(parser.json, index, readView, longestSide())
                 .then(surface => {
-                    const material = materialOf(surface);
+                    const material = materialOf(surface, {blends: GltfTextures.blends(parser.json, index)});
                     material.name = parser.json.materials[index].name ?? '';
                     return material;
                 })
                 .catch(error => {
-                    warn(`${GLB_EXTENSION}: ${error.message}; the picture is shown instead`);
+                    textures.tell(warn, error);
                     return parser.loadMaterial(index);
                 });
         },
