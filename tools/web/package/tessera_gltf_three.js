@@ -19,7 +19,7 @@ function longestSide() {
 // makes another material than the one for WebGLRenderer; blends: whether the material of the file has alphaMode BLEND.
 export function tesseraGltf(THREE, wasm, warn = text => console.warn(text),
                             materialOf = (surface, options) => surfaceMaterial(THREE, surface, options)) {
-    const textures = new GltfTextures(wasm);
+    const textures = new GltfTextures(wasm), made = new WeakSet();
     return parser => ({
         name: GLB_EXTENSION,
         loadMaterial(index) {
@@ -29,12 +29,23 @@ export function tesseraGltf(THREE, wasm, warn = text => console.warn(text),
             return textures.surface(parser.json, index, readView, longestSide())
                 .then(surface => {
                     const material = materialOf(surface, {blends: GltfTextures.blends(parser.json, index)});
+                    made.add(material);
                     material.name = parser.json.materials[index].name ?? '';
                     return material;
                 })
                 .catch(error => {
                     textures.tell(warn, error);
                     return parser.loadMaterial(index);
+                });
+        },
+        // WebGPURenderer does not call Material.onBeforeRender(), in which materials that blend sort triangles.
+        async afterRoot({scenes}) {
+            for (const scene of scenes)
+                scene.traverse(object => {
+                    const {material} = object;
+                    if (made.has(material) && material.isNodeMaterial)
+                        object.onBeforeRender = (renderer, of, camera, geometry) =>
+                            material.onBeforeRender(renderer, of, camera, geometry, object);
                 });
         },
     });

@@ -10,7 +10,7 @@ import {fragmentShader, isTranslucent, surfaceOf, vertexShader} from './surface_
 import {ANGULAR_MAP, PROXY} from './tessera.js';
 import {TriangleOrder} from './triangle_order.js';
 
-const isSphere = info => info.proxy === PROXY.sphere || info.proxy === PROXY.sphereInside;
+export const isSphere = info => info.proxy === PROXY.sphere || info.proxy === PROXY.sphereInside;
 
 const sphereVertexShader = `precision highp float;
 precision highp int;
@@ -75,7 +75,7 @@ export function tesseraMaterial(THREE, info, rgba) {
 
 const texturesOf = new WeakMap(); // from a surface to its textures, which all of its materials share
 
-function layerTextures(THREE, surface) {
+export function layerTextures(THREE, surface) {
     if (texturesOf.has(surface))
         return texturesOf.get(surface);
     const textures = {}, {layers, lights} = surface;
@@ -121,7 +121,7 @@ export function blended(THREE, material) {
     return Object.assign(material, {transparent: true, depthWrite: false, onBeforeRender});
 }
 
-function pictureTexture(THREE, pixels, width, height, type, filter) {
+export function pictureTexture(THREE, pixels, width, height, type, filter) {
     const texture = new THREE.DataTexture(pixels, width, height, THREE.RGBAFormat, type);
     texture.minFilter = texture.magFilter = filter;
     texture.generateMipmaps = false;
@@ -141,11 +141,15 @@ export function tesseraSphere(THREE, info, rgba) {
     if (!isSphere(info))
         throw new Error(`the proxy of the texture is "${info.names.proxy}", not a sphere`);
     const material = tesseraMaterial(THREE, info, rgba);
-    const segments = 32;
-    const around = info.radius / Math.cos(Math.PI / segments) ** 2; // so that the triangles enclose the sphere
-    const mesh = new THREE.Mesh(new THREE.SphereGeometry(around, 2 * segments, segments), material);
+    const mesh = new THREE.Mesh(enclosingSphere(THREE, info), material);
     mesh.position.set(...info.centre);
     return mesh;
+}
+
+// Triangles that enclose the sphere of the texture.
+export function enclosingSphere(THREE, {radius}) {
+    const segments = 32;
+    return new THREE.SphereGeometry(radius / Math.cos(Math.PI / segments) ** 2, 2 * segments, segments);
 }
 
 // A mesh that shows a texture on `geometry`, which has the positions, normals and uv of the file's mesh. three.js'
