@@ -39,6 +39,10 @@ function makeFiles() {
     tessera('bake', 'box.gltf', '-o', 'layered.glb', '--layered', '--texels', '20000', '--lights', '6', '--spp', '1',
             '--quality', '90', '-q');
     tessera('convert', 'layered.glb', '-o', 'layered.tess', '-q');
+    // 128x320 texels, five tiles of 64 along v, which begin at multiples of 16. Those of 128x288 have no mips.
+    tessera('bake', 'box.gltf', '-o', 'mips.glb', '--layered', '--texels', '24000', '--lights', '6', '--spp', '1',
+            '--quality', '90', '-q');
+    tessera('convert', 'mips.glb', '-o', 'mips.tess', '-q');
     fs.writeFileSync(at('shiny.gltf'), shinyBox());
     tessera('bake', 'shiny.gltf', '-o', 'shiny.glb', '--layered', '--texels', '8000', '--lights', '6', '--spp', '1',
             '--quality', '90', '-q');
@@ -134,6 +138,14 @@ const tests = {
             assert(psnr > 25, `${psnr} dB`);
         }
     },
+    async 'plugins use the mips that tessera render uses'() {
+        for (const name of ['layered', 'mips'])
+            for (const engine of ['three', 'babylon']) {
+                const [picture] = await draw(engine, `${name}.glb`, true, far), {share, psnr} = compared(picture, reference(name, far));
+                console.log(`   ${name} in ${engine}: ${(100 * share).toFixed(2)} % of the pixels, ${psnr.toFixed(1)} dB`);
+                assert(share >= near, `${share} of the pixels are equal`);
+            }
+    },
     async 'meshes may be compressed'() {
         for (const name of ['draco', 'meshopt'])
             for (const engine of ['three', 'babylon']) {
@@ -182,6 +194,7 @@ const tests = {
 };
 
 const whole = {eye: [4.5, 2.5, 3.5], look: [0, 0, 0], fov: 45, far: 50};
+const far = {eye: [18, 10, 14], look: [0, 0, 0], fov: 30, far: 100};
 const views = {layered: whole, shiny: whole, fitted: whole,
                single: {eye: [7, 2, 2], look: [0, 0, 0], fov: 30, far: 50},
                sphere: {eye: [10, 3, 1], look: [0, 0, 0], fov: 45, far: 50},

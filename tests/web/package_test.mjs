@@ -71,7 +71,7 @@ const THREE = {DataTexture: Recorded, RawShaderMaterial: Recorded, SphereGeometr
                GLSL3: '300 es'};
 
 function checkShaders(material) {
-    const [{vertexShader, fragmentShader, uniforms}] = material.given;
+    const {vertexShader, fragmentShader, uniforms} = {...material.given[0], ...material};
     for (const [stage, text] of [['vert', vertexShader], ['frag', fragmentShader]]) {
         const file = path.join(scratch, `shader.${stage}`);
         fs.writeFileSync(file, '#version 300 es\n' + text);
@@ -141,8 +141,26 @@ for (const blends of [false, true]) {
     const material = three.surfaceMaterial(THREE, glass, {blends});
     checkShaders(material);
     assert.equal(material.transparent ?? false, blends);
-    assert.equal(/colour\.a = hidden/.test(material.given[0].fragmentShader), blends);
+    assert.equal(/colour\.a = hidden/.test(material.fragmentShader), blends);
 }
+// Mips: means of each chart. The left and the right half of 4x2 texels are charts.
+const {withMips} = await import(pathToFileURL(path.join(folder, 'mips.js')));
+const square = (left, right) => [[left, 0], [right, 0], [right, 1], [left, 1]];
+const uv = [...square(0.01, 0.49), ...square(0.51, 0.99)], meshes = [
+    {indices: [0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7], vertices: 8, uvOf: i => uv[i]}];
+const pixel = x => [x, 2 * x, 0, 255], row = [10, 20, 30, 41].flatMap(pixel);
+const flat = {angularMap: 4, lights: {count: 0}, layers: [
+    {name: 'texture', size: [4, 2, 1, 1], columns: 1, srgb: false, scale: 1, mips: 1,
+     picture: {width: 4, height: 2, half: false, pixels: Uint8Array.from([...row, ...row])}}]};
+const [{picture: mipped}] = withMips(flat, meshes).layers;
+assert.deepEqual([mipped.width, mipped.height], [6, 2]);
+assert.deepEqual([...mipped.pixels.subarray(16, 24)], [15, 30, 0, 255, 36, 71, 0, 255]);
+assert.deepEqual([...mipped.pixels.subarray(0, 16)], row);
+assert.equal(withMips(flat, meshes, 5), flat); // too large for the device
+assert.equal(withMips({...flat, layers: [{...flat.layers[0], mips: 0}]}, meshes).charts, undefined);
+const withCharts = withMips(glass, meshes);
+assert(withCharts.charts.pixels.some(x => x));
+checkShaders(three.surfaceMaterial(THREE, withCharts));
 const {TriangleOrder} = await import(pathToFileURL(path.join(folder, 'triangle_order.js')));
 const order = new TriangleOrder(Uint16Array.of(0, 1, 2, 3, 4, 5), i => [0, i % 3, i < 3 ? 1 : 2]);
 assert.deepEqual([...order.seenFrom([0, 0, 9])], [0, 1, 2, 3, 4, 5]);

@@ -7,6 +7,7 @@
 //
 // A texture that cannot be read is replaced by the picture that the file has for other viewers, with a warning.
 import {attributesOf, fragmentShader, isTranslucent, vertexShader} from './surface_shader.js';
+import {withMips} from './mips.js';
 import {GLB_EXTENSION, GltfTextures} from './tessera_gltf.js';
 import {TriangleOrder} from './triangle_order.js';
 
@@ -21,10 +22,12 @@ export function tesseraBabylon(BABYLON, wasm, warn = text => console.warn(text))
 class TesseraExtension {
     constructor(BABYLON, textures, loader, warn) {
         Object.assign(this, {BABYLON, textures, loader, warn, name: GLB_EXTENSION, order: 0, made: new Map()});
+        this.materials = new Map(); // from a material to {surface, blends}
         this.enabled = loader.isExtensionUsed(GLB_EXTENSION);
     }
     dispose() {
         this.made.clear();
+        this.materials.clear();
     }
 
     // The loader calls this for each primitive; null leaves the material to the loader.
@@ -56,11 +59,41 @@ class TesseraExtension {
         };
         const surface = await this.textures.surface(gltf, index, readView, scene.getEngine().getCaps().maxTextureSize);
         const name = gltf.materials[index].name ?? GLB_EXTENSION;
-        const material = babylonMaterial(BABYLON, scene, name, surface, GltfTextures.blends(gltf, index));
-        material.sideOrientation = scene.useRightHandedSystem ? BABYLON.Material.CounterClockWiseSideOrientation
-                                                              : BABYLON.Material.ClockWiseSideOrientation;
+        const material = this.materialOf(name, surface, GltfTextures.blends(gltf, index));
         loader.parent?.onMaterialLoadedObservable?.notifyObservers(material);
         return material;
+    }
+
+    materialOf(name, surface, blends) {
+        const {BABYLON, loader: {babylonScene: scene}} = this, material = babylonMaterial(BABYLON, scene, name, surface, blends);
+        material.sideOrientation = scene.useRightHandedSystem ? BABYLON.Material.CounterClockWiseSideOrientation
+                                                              : BABYLON.Material.ClockWiseSideOrientation;
+        this.materials.set(material, {surface, blends});
+        return material;
+    }
+
+    // The loader calls this when everything is there. Mips need the charts of the geometries.
+    onReady() {
+        const {BABYLON, loader: {babylonScene: scene}} = this, made = [...this.materials];
+        this.materials.clear();
+        for (const surface of new Set(made.map(([, of]) => of.surface))) {
+            const own = made.filter(([, of]) => of.surface === surface);
+            const meshes = own.flatMap(([material]) => material.getBindedMeshes()).filter(mesh => mesh.getIndices());
+            const mipped = withMips(surface, meshes.map(mesh => {
+                const uv = mesh.getVerticesData(BABYLON.VertexBuffer.UVKind);
+                return {indices: mesh.getIndices(), vertices: uv.length / 2, uvOf: i => [uv[2 * i], uv[2 * i + 1]]};
+            }), scene.getEngine().getCaps().maxTextureSize);
+            if (mipped === surface)
+                continue;
+            for (const [material, {blends}] of own) {
+                const bound = material.getBindedMeshes(), next = this.materialOf(material.name, mipped, blends);
+                for (const mesh of bound)
+                    mesh.material = next;
+                material.dispose();
+            }
+            for (const texture of Object.values(layerTextures(BABYLON, scene, surface)))
+                texture.dispose();
+        }
     }
 }
 
@@ -73,7 +106,7 @@ function layerTextures(BABYLON, scene, surface) {
     const ofScene = texturesOf.get(scene);
     if (ofScene.has(surface))
         return ofScene.get(surface);
-    const {Constants, RawTexture} = BABYLON, {layers, lights} = surface, textures = {};
+    const {Constants, RawTexture} = BABYLON, {layers, lights, charts} = surface, textures = {};
     const picture = (pixels, width, height, type, sampling) => {
         const texture = new RawTexture(pixels, width, height, Constants.TEXTUREFORMAT_RGBA, scene, false, false,
                                        sampling, type);
@@ -86,6 +119,9 @@ function layerTextures(BABYLON, scene, surface) {
                     Constants.TEXTURE_BILINEAR_SAMPLINGMODE);
     if (lights.count)
         textures.lights = picture(lights.pixels, 2, lights.count, Constants.TEXTURETYPE_FLOAT,
+                                  Constants.TEXTURE_NEAREST_SAMPLINGMODE);
+    if (charts)
+        textures.charts = picture(charts.pixels, charts.width, charts.height, Constants.TEXTURETYPE_UNSIGNED_BYTE,
                                   Constants.TEXTURE_NEAREST_SAMPLINGMODE);
     ofScene.set(surface, textures);
     return textures;

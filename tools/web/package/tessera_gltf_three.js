@@ -6,7 +6,8 @@
 //
 // A texture that cannot be read is replaced by the picture that the file has for other viewers, with a warning.
 import {GLB_EXTENSION, GltfTextures} from './tessera_gltf.js';
-import {surfaceMaterial} from './tessera_three.js';
+import {withMips} from './mips.js';
+import {showSurface, surfaceMaterial} from './tessera_three.js';
 
 // The longest side of textures of the device, in pixels. The loader does not know the renderer.
 function longestSide() {
@@ -19,34 +20,62 @@ function longestSide() {
 // makes another material than the one for WebGLRenderer; blends: whether the material of the file has alphaMode BLEND.
 export function tesseraGltf(THREE, wasm, warn = text => console.warn(text),
                             materialOf = (surface, options) => surfaceMaterial(THREE, surface, options)) {
-    const textures = new GltfTextures(wasm), made = new WeakSet();
-    return parser => ({
-        name: GLB_EXTENSION,
-        loadMaterial(index) {
-            if (!GltfTextures.find(parser.json, index))
-                return null;
-            const readView = async view => new Uint8Array(await parser.getDependency('bufferView', view));
-            return textures.surface(parser.json, index, readView, longestSide())
-                .then(surface => {
-                    const material = materialOf(surface, {blends: GltfTextures.blends(parser.json, index)});
-                    made.add(material);
-                    material.name = parser.json.materials[index].name ?? '';
-                    return material;
-                })
-                .catch(error => {
-                    textures.tell(warn, error);
-                    return parser.loadMaterial(index);
-                });
-        },
-        // WebGPURenderer does not call Material.onBeforeRender(), in which materials that blend sort triangles.
-        async afterRoot({scenes}) {
-            for (const scene of scenes)
-                scene.traverse(object => {
-                    const {material} = object;
-                    if (made.has(material) && material.isNodeMaterial)
-                        object.onBeforeRender = (renderer, of, camera, geometry) =>
-                            material.onBeforeRender(renderer, of, camera, geometry, object);
-                });
-        },
-    });
+    const textures = new GltfTextures(wasm);
+    return parser => new TesseraPlugin(THREE, textures, parser, warn, materialOf);
+}
+
+class TesseraPlugin {
+    constructor(THREE, textures, parser, warn, materialOf) {
+        Object.assign(this, {THREE, textures, parser, warn, materialOf, name: GLB_EXTENSION});
+        this.made = new Map(); // from a material to {surface, blends}
+    }
+
+    // The loader calls this; null leaves the material to the loader.
+    loadMaterial(index) {
+        const {parser, textures, warn} = this, {json} = parser;
+        if (!GltfTextures.find(json, index))
+            return null;
+        const readView = async view => new Uint8Array(await parser.getDependency('bufferView', view));
+        return textures.surface(json, index, readView, longestSide())
+            .then(surface => {
+                const blends = GltfTextures.blends(json, index), material = this.materialOf(surface, {blends});
+                this.made.set(material, {surface, blends});
+                material.name = json.materials[index].name ?? '';
+                return material;
+            })
+            .catch(error => {
+                textures.tell(warn, error);
+                return parser.loadMaterial(index);
+            });
+    }
+
+    // The loader calls this when everything is there.
+    async afterRoot({scenes}) {
+        const meshes = [];
+        for (const scene of scenes)
+            scene.traverse(object => this.made.has(object.material) && meshes.push(object));
+        sortNodeMaterials(meshes);
+        addMips(this.THREE, meshes, this.made);
+    }
+}
+
+// WebGPURenderer does not call Material.onBeforeRender(), in which materials that blend sort triangles.
+function sortNodeMaterials(meshes) {
+    for (const mesh of meshes)
+        if (mesh.material.isNodeMaterial)
+            mesh.onBeforeRender = (renderer, scene, camera, geometry) =>
+                mesh.material.onBeforeRender(renderer, scene, camera, geometry, mesh);
+}
+
+// Mips need the charts of the geometries, which the loader has now. Materials of WebGLRenderer alone use them.
+function addMips(THREE, meshes, made) {
+    const drawn = meshes.filter(({material}) => material.isRawShaderMaterial);
+    for (const surface of new Set(drawn.map(({material}) => made.get(material).surface))) {
+        const own = drawn.filter(({material}) => made.get(material).surface === surface);
+        const geometries = [...new Set(own.map(({geometry}) => geometry))].filter(({index}) => index);
+        const mipped = withMips(surface, geometries.map(({index, attributes: {uv}}) => (
+            {indices: index.array, vertices: uv.count, uvOf: i => [uv.getX(i), uv.getY(i)]})), longestSide());
+        for (const material of new Set(own.map(mesh => mesh.material)))
+            showSurface(THREE, material, mipped, made.get(material).blends);
+    }
 }

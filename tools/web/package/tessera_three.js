@@ -78,7 +78,10 @@ const texturesOf = new WeakMap(); // from a surface to its textures, which all o
 export function layerTextures(THREE, surface) {
     if (texturesOf.has(surface))
         return texturesOf.get(surface);
-    const textures = {}, {layers, lights} = surface;
+    const textures = {}, {layers, lights, charts} = surface;
+    if (charts)
+        textures.charts = pictureTexture(THREE, charts.pixels, charts.width, charts.height, THREE.UnsignedByteType,
+                                         THREE.NearestFilter);
     for (const {name, picture: {width, height, half, pixels}} of layers)
         textures[`${name}Layer`] = pictureTexture(THREE, pixels, width, height,
                                                   half ? THREE.HalfFloatType : THREE.UnsignedByteType, THREE.LinearFilter);
@@ -92,13 +95,19 @@ export function layerTextures(THREE, surface) {
 // layers. The geometry needs the attributes position, normal and uv, and tangent if attributesOf() lists it. blends:
 // a layer of opacity shows what is behind the surface. Then the indices of the geometry are sorted before it is drawn.
 export function surfaceMaterial(THREE, surface, {blends = false} = {}) {
-    const textures = Object.entries(layerTextures(THREE, surface));
-    const uniforms = Object.fromEntries(textures.map(([name, value]) => [name, {value}]));
     const vertex = vertexShader({
         uniforms: 'uniform mat4 modelMatrix, modelViewMatrix, projectionMatrix;\nuniform vec3 cameraPosition;',
         eye: '(inverse(modelMatrix) * vec4(cameraPosition, 1.0)).xyz', project: '(projectionMatrix * modelViewMatrix)'});
-    const material = rawMaterial(THREE, uniforms, vertex, fragmentShader(surface, blends), THREE.FrontSide);
+    const material = rawMaterial(THREE, {}, vertex, '', THREE.FrontSide);
+    showSurface(THREE, material, surface, blends);
     return blends && isTranslucent(surface) ? blended(THREE, material) : material;
+}
+
+// Replaces what a material of surfaceMaterial() shows, before its first frame.
+export function showSurface(THREE, material, surface, blends) {
+    const textures = Object.entries(layerTextures(THREE, surface));
+    material.uniforms = Object.fromEntries(textures.map(([name, value]) => [name, {value}]));
+    material.fragmentShader = fragmentShader(surface, blends);
 }
 
 // Lets a material blend. Triangles are sorted whenever the camera has moved, because depth does not order them.
