@@ -70,6 +70,9 @@ function makeFiles() {
         const {byteOffset, byteLength} = json.bufferViews[extensionOf(json).bufferView];
         chunk[byteOffset + byteLength - 40] ^= 1;
     }));
+    fs.writeFileSync(at('beyond.glb'), changedGlb(glb, json => {
+        json.bufferViews[extensionOf(json).bufferView].byteOffset += 1e6;
+    }));
     fs.writeFileSync(at('outside.glb'), changedGlb(glb, json => { extensionOf(json).bufferView = 99; }));
 }
 
@@ -182,7 +185,8 @@ const tests = {
             const {psnr} = compared(plain, reference('layered', views.layered));
             console.log(`   picture in ${engine}: ${psnr.toFixed(1)} dB to the texture`);
             assert(psnr > 15 && psnr < 35);
-            for (const [name, reason] of [['damaged.glb', /checksum|damaged/], ['outside.glb', /buffer view 99/]]) {
+            for (const [name, reason] of [['damaged.glb', /checksum|damaged/], ['outside.glb', /buffer view 99/],
+                                          ['beyond.glb', /./]]) {
                 const [replaced, {warnings}] = await draw(engine, name, true, views.layered);
                 assert.equal(warnings.length, 1);
                 assert.match(warnings[0], reason);

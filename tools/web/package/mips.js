@@ -69,14 +69,22 @@ function joinedVertices(indices, vertices) {
 
 // Calls visit(u, v) for each texel whose square intersects the triangle, like visit_covered_texels() of the library.
 function visitCovered(corners, size, visit) {
-    const cross = ([ax, ay], [bx, by]) => ax * by - ay * bx, less = (a, b) => [a[0] - b[0], a[1] - b[1]];
-    const [a, b, c] = corners, area = cross(less(b, a), less(c, a));
+    const edges = corners.map(([x, y], k) => {
+        const [toX, toY] = corners[(k + 1) % 3];
+        return {x, y, dx: toX - x, dy: toY - y};
+    });
+    const [{dx, dy}, , last] = edges, area = last.dx * dy - last.dy * dx; // the third edge points back to the first corner
     if (area === 0)
         return;
-    const isBeyond = (u, v) => corners.some((corner, k) => {
-        const edge = less(corners[(k + 1) % 3], corner);
-        return [[u, v], [u + 1, v], [u, v + 1], [u + 1, v + 1]].every(at => cross(edge, less(at, corner)) * area < 0);
-    });
+    // Whether a square is entirely outside an edge: then its corner that is furthest inside is.
+    const isBeyond = (u, v) => {
+        for (const {x, y, dx, dy} of edges) {
+            const inside = area < 0 ? -1 : 1, across = inside * dx > 0 ? 1 : 0, along = inside * dy < 0 ? 1 : 0;
+            if ((dx * (v + across - y) - dy * (u + along - x)) * inside < 0)
+                return true;
+        }
+        return false;
+    };
     const range = axis => {
         const values = corners.map(corner => corner[axis]), within = x => Math.min(Math.max(x, 0), size[axis]);
         return [within(Math.floor(Math.min(...values))), within(Math.floor(Math.max(...values)) + 1)];
@@ -90,15 +98,25 @@ function visitCovered(corners, size, visit) {
 
 // The chart of most texels of the atlas in a texel of a mip, and the lowest of several; 0 if there is none.
 function mostFrequent(ids, width, [U, V], mip, x, y) {
-    const counts = new Map();
-    for (let v = y << mip; v < Math.min(y + 1 << mip, V); ++v)
-        for (let u = x << mip; u < Math.min(x + 1 << mip, U); ++u) {
+    const u0 = x << mip, u1 = Math.min(x + 1 << mip, U), v1 = Math.min(y + 1 << mip, V), counts = new Map();
+    const first = ids[(y << mip) * width + u0];
+    let differs = false;
+    for (let v = y << mip; v < v1 && !differs; ++v)
+        for (let u = u0; u < u1; ++u)
+            differs ||= ids[v * width + u] !== first;
+    if (!differs)
+        return first;
+    for (let v = y << mip; v < v1; ++v)
+        for (let u = u0; u < u1; ++u) {
             const id = ids[v * width + u];
             if (id)
                 counts.set(id, (counts.get(id) ?? 0) + 1);
         }
-    return [...counts].reduce((best, [id, count]) => count > best[1] || count === best[1] && id < best[0] ? [id, count] : best,
-                              [0, 0])[0];
+    let best = 0;
+    for (const [id, count] of counts)
+        if (!best || count > counts.get(best) || count === counts.get(best) && id < best)
+            best = id;
+    return best;
 }
 
 // The views of a layer with their mips.
@@ -121,20 +139,26 @@ function pictureWithMips({size: [U, V, S, T], columns, mips, picture}, {ids, cel
 function addMip(pixels, begin, width, [U, V], mip, ids, cell) {
     for (let y = 0; y < halved(V, mip); ++y)
         for (let x = 0; x < halved(U, mip); ++x) {
-            const own = ids[(cell.rows[mip] + y) * cell.width + U + x], sums = [0, 0, 0, 0];
+            const own = ids[(cell.rows[mip] + y) * cell.width + U + x];
             if (!own)
                 continue;
-            let count = 0;
-            for (let v = y << mip; v < Math.min(y + 1 << mip, V); ++v)
-                for (let u = x << mip; u < Math.min(x + 1 << mip, U); ++u)
+            const u0 = x << mip, u1 = Math.min(x + 1 << mip, U), v1 = Math.min(y + 1 << mip, V);
+            let count = 0, red = 0, green = 0, blue = 0, alpha = 0;
+            for (let v = y << mip; v < v1; ++v)
+                for (let u = u0; u < u1; ++u)
                     if (ids[v * cell.width + u] === own) {
+                        const from = begin + (v * width + u) * 4;
                         ++count;
-                        for (let c = 0; c < 4; ++c)
-                            sums[c] += pixels[begin + (v * width + u) * 4 + c];
+                        red += pixels[from];
+                        green += pixels[from + 1];
+                        blue += pixels[from + 2];
+                        alpha += pixels[from + 3];
                     }
-            const to = begin + ((cell.rows[mip] + y) * width + U + x) * 4;
-            for (let c = 0; c < 4; ++c)
-                pixels[to + c] = Math.floor((2 * sums[c] + count) / (2 * count));
+            const to = begin + ((cell.rows[mip] + y) * width + U + x) * 4, mean = sum => Math.floor((2 * sum + count) / (2 * count));
+            pixels[to] = mean(red);
+            pixels[to + 1] = mean(green);
+            pixels[to + 2] = mean(blue);
+            pixels[to + 3] = mean(alpha);
         }
 }
 
