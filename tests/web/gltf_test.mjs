@@ -143,7 +143,7 @@ const tests = {
     },
     async 'plugins use the mips that tessera render uses'() {
         for (const name of ['layered', 'mips'])
-            for (const engine of ['three', 'babylon']) {
+            for (const engine of ['three', 'babylon', 'threeWebgpu', 'threeNodes']) {
                 const [picture] = await draw(engine, `${name}.glb`, true, far), {share, psnr} = compared(picture, reference(name, far));
                 console.log(`   ${name} in ${engine}: ${(100 * share).toFixed(2)} % of the pixels, ${psnr.toFixed(1)} dB`);
                 assert(share >= near, `${share} of the pixels are equal`);

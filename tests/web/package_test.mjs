@@ -71,7 +71,7 @@ const THREE = {DataTexture: Recorded, RawShaderMaterial: Recorded, SphereGeometr
                GLSL3: '300 es'};
 
 function checkShaders(material) {
-    const {vertexShader, fragmentShader, uniforms} = {...material.given[0], ...material};
+    const [{vertexShader, fragmentShader, uniforms}] = material.given;
     for (const [stage, text] of [['vert', vertexShader], ['frag', fragmentShader]]) {
         const file = path.join(scratch, `shader.${stage}`);
         fs.writeFileSync(file, '#version 300 es\n' + text);
@@ -141,7 +141,7 @@ for (const blends of [false, true]) {
     const material = three.surfaceMaterial(THREE, glass, {blends});
     checkShaders(material);
     assert.equal(material.transparent ?? false, blends);
-    assert.equal(/colour\.a = hidden/.test(material.fragmentShader), blends);
+    assert.equal(/colour\.a = hidden/.test(material.given[0].fragmentShader), blends);
 }
 // Mips: means of each chart. The left and the right half of 4x2 texels are charts.
 const {withMips} = await import(pathToFileURL(path.join(folder, 'mips.js')));

@@ -34,11 +34,13 @@ function atlasOf(size, mips, meshes) {
         const joined = joinedVertices(indices, vertices), chartOf = new Map();
         triangles += indices.length / 3;
         for (let i = 0; i < indices.length; i += 3) {
-            const corners = [0, 1, 2].map(k => uvOf(indices[i + k])).map(([u, v]) => [u * U, v * V]), group = joined(indices[i]);
+            const corners = [0, 1, 2].map(k => uvOf(indices[i + k])).map(([u, v]) => [u * U, v * V]);
+            const group = joined(indices[i]);
             if (!chartOf.has(group))
                 chartOf.set(group, ++charts);
-            const sides = [0, 1].map(axis => Math.max(...corners.map(c => c[axis])) - Math.min(...corners.map(c => c[axis])) + 2);
-            covered += sides[0] * sides[1];
+            const [width, height] = [0, 1].map(axis => corners.map(c => c[axis]))
+                .map(places => Math.max(...places) - Math.min(...places) + 2);
+            covered += width * height;
             if (charts > mostCharts || covered > mostCovered * (U * V + 65536 + 9 * triangles))
                 return {size, mips};
             visitCovered(corners, size, (u, v) => { ids[v * cell.width + u] ||= chartOf.get(group); });
@@ -154,7 +156,8 @@ function addMip(pixels, begin, width, [U, V], mip, ids, cell) {
                         blue += pixels[from + 2];
                         alpha += pixels[from + 3];
                     }
-            const to = begin + ((cell.rows[mip] + y) * width + U + x) * 4, mean = sum => Math.floor((2 * sum + count) / (2 * count));
+            const to = begin + ((cell.rows[mip] + y) * width + U + x) * 4;
+            const mean = sum => Math.floor((2 * sum + count) / (2 * count));
             pixels[to] = mean(red);
             pixels[to + 1] = mean(green);
             pixels[to + 2] = mean(blue);

@@ -3,15 +3,68 @@
 
 const noDirection = 1e-6, leastCosine = 0.02, leastRoughness = 0.03, littleLight = 1e-6;
 
-// The colour of a view, whose number is an integer in a float.
-export function viewColour({float, texture, vec2}, picture, {size: [U, V], columns}, place, view) {
-    const side = vec2(U, V), row = view.add(0.5).div(columns).floor(), column = view.sub(row.mul(columns));
-    const at = place.mul(side).clamp(vec2(0.5), side.sub(0.5)).add(vec2(column, row).mul(side));
-    return texture(picture, at.div(vec2(picture.image.width, picture.image.height)), float(0));
+// The texels around `place` in an atlas with mips, as placesIn() of surface_shader.js finds them. atlas: {size, mips, row}
+// of a surface with mips; charts: their texture; footprint: what the pixel covers of the atlas along u and v.
+export function placesIn(TSL, charts, {size: [U, V], mips, row}, place, footprint) {
+    const {float, ivec2, select, textureLoad, vec2, vec4} = TSL, whole = vec2(U, V);
+    const texels = footprint.mul(whole).toVar();
+    const covered = texels.x.min(texels.y).mul(Math.SQRT1_2).max(texels.x.max(texels.y).div(4)).toVar();
+    const mip = select(covered.greaterThan(1), covered.log2().min(mips), float(0)).toVar(), lower = mip.floor().toVar();
+    const chartAt = at => textureLoad(charts, ivec2(at).add(ivec2(0, row))).xy;
+    const inside = place.clamp(0, 1).mul(whole).toVar(), own = chartAt(inside.min(whole.sub(1)).floor()).toVar();
+    const around = (sides, at) => { // the texels around `at`, in texels of a mip
+        const low = at.sub(0.5).floor().clamp(vec2(-1), sides.sub(1)).toVar(), weight = at.sub(0.5).sub(low).toVar();
+        const other = weight.oneMinus(), ofRow = share => [other.x.mul(share), weight.x.mul(share)];
+        return {low: low.max(0).toVar(), high: low.add(1).min(sides.sub(1)).toVar(),
+                share: vec4(...ofRow(other.y), ...ofRow(weight.y)).toVar()};
+    };
+    const cornersOf = ({low, high}) => [low, vec2(high.x, low.y), vec2(low.x, high.y), high];
+    const taps = [0, 1].map(step => {
+        const level = lower.add(step).min(mips).toVar(), scale = level.exp2().toVar();
+        const sides = whole.add(scale).sub(1).div(scale).floor().toVar();
+        // Mip 1 is in row 0 beside the atlas. The heights of the mips above this one are added.
+        const top = float(0).toVar();
+        for (let above = 1; above < mips; ++above)
+            top.addAssign(select(level.greaterThan(above), float(Math.ceil(V / 2 ** above)), float(0)));
+        const atlas = around(whole, inside), mipped = around(sides, inside.div(scale));
+        const begin = select(level.greaterThan(0), vec2(U, top), vec2(0)).toVar();
+        const same = cornersOf(mipped).map(at => {
+            const chart = chartAt(begin.add(at)).sub(own).abs().toVar();
+            return select(chart.x.add(chart.y).lessThan(1 / 512), float(1), float(0));
+        });
+        const share = mipped.share.mul(vec4(...same)).toVar(), sum = share.x.add(share.y).add(share.z).add(share.w).toVar();
+        const isFound = level.greaterThan(0).and(own.x.add(own.y).greaterThan(0)).and(sum.greaterThan(0)).toVar();
+        const weight = step ? mip.sub(lower) : lower.add(1).sub(mip);
+        return {low: select(isFound, begin.add(mipped.low), atlas.low).toVar(),
+                high: select(isFound, begin.add(mipped.high), atlas.high).toVar(),
+                share: select(isFound, share.div(sum), atlas.share).mul(weight).toVar()};
+    });
+    return {isMipped: mip.greaterThan(0).toVar(), taps: taps.map(tap => ({...tap, corners: cornersOf(tap)}))};
+}
+
+// The colour of a view, whose number is an integer in a float. layer: of a surface, with its `texture`, and with `places`
+// and the `cell` that its view and mips lie in, if it has mips.
+export function viewColour(TSL, {texture: picture, size: [U, V], columns, places, cell}, place, view) {
+    const {If, float, ivec2, texture, textureLoad, vec2, vec4} = TSL, side = vec2(U, V);
+    const row = view.add(0.5).div(columns).floor().toVar(), column = view.sub(row.mul(columns));
+    const begin = vec2(column, row).mul(cell ? vec2(cell.width, cell.height) : side).toVar();
+    const inAtlas = () => texture(picture, place.mul(side).clamp(vec2(0.5), side.sub(0.5)).add(begin)
+        .div(vec2(picture.image.width, picture.image.height)), float(0));
+    if (!places)
+        return inAtlas();
+    const colour = vec4(0).toVar();
+    If(places.isMipped, () => {
+        for (const {corners, share} of places.taps)
+            for (const [i, corner] of corners.entries())
+                colour.addAssign(textureLoad(picture, ivec2(begin.add(corner))).mul(share['xyzw'[i]]));
+    }).Else(() => {
+        colour.assign(inAtlas());
+    });
+    return colour;
 }
 
 // The colour in direction d from a place whose normal is z. tangent: null for the mirrored map.
-export function directionColour(TSL, picture, layer, place, z, tangent, d) {
+export function directionColour(TSL, layer, place, z, tangent, d) {
     const {dot, select, vec2, vec4} = TSL, [, , S, T] = layer.size, views = vec2(S, T);
     const bent = d.sub(dot(z, d).min(0).mul(z)).toVar();
     const away = select(bent.length().greaterThan(noDirection), bent.normalize(), z).toVar();
@@ -23,7 +76,7 @@ export function directionColour(TSL, picture, layer, place, z, tangent, d) {
         const tap = first.add(vec2(...corner)).toVar();
         const view = tangent ? tap.clamp(vec2(0), views.sub(1)) : folded(TSL, tap, S, T);
         const share = corner.map((far, axis) => far ? weight.element(axis) : weight.element(axis).oneMinus());
-        sum.addAssign(viewColour(TSL, picture, layer, place, view.y.mul(S).add(view.x)).mul(share[0].mul(share[1])));
+        sum.addAssign(viewColour(TSL, layer, place, view.y.mul(S).add(view.x)).mul(share[0].mul(share[1])));
     }
     return sum;
 }
@@ -92,7 +145,8 @@ export const signedValue = texel => texel.mul(255).sub(128).div(127).clamp(-1, 1
 
 // r: {normal, view, specular, roughness}; to: direction and spread of a light; irradiance: on a surface that faces it.
 export function lightOf({cross, dot, select, vec3}, r, to, irradiance) {
-    const nl = dot(r.normal, to.xyz).toVar(), nv = dot(r.normal, r.view).toVar(), h = to.xyz.add(r.view).normalize().toVar();
+    const nl = dot(r.normal, to.xyz).toVar(), nv = dot(r.normal, r.view).toVar();
+    const h = to.xyz.add(r.view).normalize().toVar();
     const alpha = r.roughness.max(leastRoughness).pow(2).toVar(), wide = to.w.mul(0.75).toVar();
     const a2 = alpha.mul(alpha).add(wide.mul(wide)).min(1).toVar(), nh = dot(r.normal, h).min(1).toVar();
     const sine = cross(r.normal, h).toVar(), root = nh.mul(nh).mul(a2).add(dot(sine, sine)).toVar();

@@ -65,7 +65,8 @@ class TesseraExtension {
     }
 
     materialOf(name, surface, blends) {
-        const {BABYLON, loader: {babylonScene: scene}} = this, material = babylonMaterial(BABYLON, scene, name, surface, blends);
+        const {BABYLON, loader: {babylonScene: scene}} = this;
+        const material = babylonMaterial(BABYLON, scene, name, surface, blends);
         material.sideOrientation = scene.useRightHandedSystem ? BABYLON.Material.CounterClockWiseSideOrientation
                                                               : BABYLON.Material.ClockWiseSideOrientation;
         this.materials.set(material, {surface, blends});

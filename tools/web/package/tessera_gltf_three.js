@@ -7,7 +7,7 @@
 // A texture that cannot be read is replaced by the picture that the file has for other viewers, with a warning.
 import {GLB_EXTENSION, GltfTextures} from './tessera_gltf.js';
 import {withMips} from './mips.js';
-import {showSurface, surfaceMaterial} from './tessera_three.js';
+import {surfaceMaterial} from './tessera_three.js';
 
 // The longest side of textures of the device, in pixels. The loader does not know the renderer.
 function longestSide() {
@@ -17,7 +17,8 @@ function longestSide() {
 }
 
 // wasm: as for loadTessera(). warn(text) is called with a sentence for each texture that is replaced. materialOf(surface, {blends})
-// makes another material than the one for WebGLRenderer; blends: whether the material of the file has alphaMode BLEND.
+// makes another material than the one for WebGLRenderer; blends: whether the material of the file has alphaMode BLEND. It
+// is called again with the surface of withMips(), and this material replaces the other one.
 export function tesseraGltf(THREE, wasm, warn = text => console.warn(text),
                             materialOf = (surface, options) => surfaceMaterial(THREE, surface, options)) {
     const textures = new GltfTextures(wasm);
@@ -54,28 +55,36 @@ class TesseraPlugin {
         const meshes = [];
         for (const scene of scenes)
             scene.traverse(object => this.made.has(object.material) && meshes.push(object));
-        sortNodeMaterials(meshes);
-        addMips(this.THREE, meshes, this.made);
+        this.addMips(meshes);
+        // WebGPURenderer does not call Material.onBeforeRender(), in which materials that blend sort triangles.
+        for (const mesh of meshes)
+            if (mesh.material.isNodeMaterial)
+                mesh.onBeforeRender = (renderer, scene, camera, geometry) =>
+                    mesh.material.onBeforeRender(renderer, scene, camera, geometry, mesh);
     }
-}
 
-// WebGPURenderer does not call Material.onBeforeRender(), in which materials that blend sort triangles.
-function sortNodeMaterials(meshes) {
-    for (const mesh of meshes)
-        if (mesh.material.isNodeMaterial)
-            mesh.onBeforeRender = (renderer, scene, camera, geometry) =>
-                mesh.material.onBeforeRender(renderer, scene, camera, geometry, mesh);
-}
-
-// Mips need the charts of the geometries, which the loader has now. Materials of WebGLRenderer alone use them.
-function addMips(THREE, meshes, made) {
-    const drawn = meshes.filter(({material}) => material.isRawShaderMaterial);
-    for (const surface of new Set(drawn.map(({material}) => made.get(material).surface))) {
-        const own = drawn.filter(({material}) => made.get(material).surface === surface);
-        const geometries = [...new Set(own.map(({geometry}) => geometry))].filter(({index}) => index);
-        const mipped = withMips(surface, geometries.map(({index, attributes: {uv}}) => (
-            {indices: index.array, vertices: uv.count, uvOf: i => [uv.getX(i), uv.getY(i)]})), longestSide());
-        for (const material of new Set(own.map(mesh => mesh.material)))
-            showSurface(THREE, material, mipped, made.get(material).blends);
+    // Replaces the materials of the meshes by those with mips, which need the charts of the geometries.
+    addMips(meshes) {
+        const {made} = this, bySurface = new Map();
+        for (const mesh of meshes) {
+            const {surface} = made.get(mesh.material);
+            bySurface.set(surface, [...bySurface.get(surface) ?? [], mesh]);
+        }
+        for (const [surface, own] of bySurface) {
+            const geometries = [...new Set(own.map(({geometry}) => geometry))].filter(({index}) => index);
+            const mipped = withMips(surface, geometries.map(({index, attributes: {uv}}) => (
+                {indices: index.array, vertices: uv.count, uvOf: i => [uv.getX(i), uv.getY(i)]})), longestSide());
+            if (mipped === surface)
+                continue;
+            const next = new Map();
+            for (const mesh of own) {
+                const {material} = mesh, {blends} = made.get(material);
+                if (!next.has(material))
+                    next.set(material, Object.assign(this.materialOf(mipped, {blends}), {name: material.name}));
+                mesh.material = next.get(material);
+            }
+            for (const material of next.keys())
+                material.dispose();
+        }
     }
 }

@@ -98,16 +98,10 @@ export function surfaceMaterial(THREE, surface, {blends = false} = {}) {
     const vertex = vertexShader({
         uniforms: 'uniform mat4 modelMatrix, modelViewMatrix, projectionMatrix;\nuniform vec3 cameraPosition;',
         eye: '(inverse(modelMatrix) * vec4(cameraPosition, 1.0)).xyz', project: '(projectionMatrix * modelViewMatrix)'});
-    const material = rawMaterial(THREE, {}, vertex, '', THREE.FrontSide);
-    showSurface(THREE, material, surface, blends);
+    const uniforms = Object.fromEntries(
+        Object.entries(layerTextures(THREE, surface)).map(([name, value]) => [name, {value}]));
+    const material = rawMaterial(THREE, uniforms, vertex, fragmentShader(surface, blends), THREE.FrontSide);
     return blends && isTranslucent(surface) ? blended(THREE, material) : material;
-}
-
-// Replaces what a material of surfaceMaterial() shows, before its first frame.
-export function showSurface(THREE, material, surface, blends) {
-    const textures = Object.entries(layerTextures(THREE, surface));
-    material.uniforms = Object.fromEntries(textures.map(([name, value]) => [name, {value}]));
-    material.fragmentShader = fragmentShader(surface, blends);
 }
 
 // Lets a material blend. Triangles are sorted whenever the camera has moved, because depth does not order them.

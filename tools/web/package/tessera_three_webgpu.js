@@ -6,6 +6,7 @@
 //   const material = surfaceNodeMaterial(THREE, TSL, readSurface(file));
 //
 // Colours are shown as they are stored if the renderer's output is sRGB without tone mapping.
+import {cellOf} from './mip_layout.js';
 import * as nodes from './surface_nodes.js';
 import {isTranslucent} from './surface_shader.js';
 import {ANGULAR_MAP} from './tessera.js';
@@ -18,23 +19,21 @@ const leastCoverage = 0.5, fullOpacity = 254 / 255, pictureOfFile = 'texture';
 // call Material.onBeforeRender(), which sorts the triangles, so Object3D.onBeforeRender() has to, as in
 // tessera_gltf_three.js.
 export function surfaceNodeMaterial(THREE, TSL, surface, {blends = false} = {}) {
-    const textures = layerTextures(THREE, surface), by = {};
-    for (const layer of surface.layers)
-        by[layer.name] = {...layer, texture: textures[`${layer.name}Layer`]};
+    const textures = layerTextures(THREE, surface);
     const isBlended = blends && isTranslucent(surface);
     const material = nodeMaterial(THREE, TSL.Fn(() => {
         const {attribute, cameraPosition, modelWorldMatrixInverse, positionGeometry, uv, varying, vec4} = TSL;
         const eye = modelWorldMatrixInverse.mul(vec4(cameraPosition, 1)).xyz;
         const d = varying(eye.sub(positionGeometry)).normalize().toVar(), place = varying(uv()).toVar();
+        const by = layersIn(TSL, surface, textures, place);
         const z = nodes.unitNormal(TSL, varying(attribute('normal', 'vec3')), d);
         const isHemisphere = surface.angularMap === ANGULAR_MAP.octahedralHemisphere;
         const tangent = isHemisphere || by.normal
             ? nodes.madeTangent(TSL, varying(attribute('tangent', 'vec4')).xyz, z) : null;
-        const view = (name, number = TSL.float(0)) => nodes.viewColour(TSL, by[name].texture, by[name], place, number);
+        const view = (name, number = TSL.float(0)) => nodes.viewColour(TSL, by[name], place, number);
         const one = by[pictureOfFile];
         if (one)
-            return vec4(nodes.linear(TSL, nodes.directionColour(
-                TSL, one.texture, one, place, z, isHemisphere ? tangent : null, d).xyz), 1);
+            return vec4(nodes.linear(TSL, nodes.directionColour(TSL, one, place, z, isHemisphere ? tangent : null, d).xyz), 1);
         if (by.coverage)
             TSL.Discard(view('coverage').x.lessThan(leastCoverage));
         const light = nodes.linear(TSL, layeredColour(TSL, by, {...surface.lights, texture: textures.lights},
@@ -45,6 +44,19 @@ export function surfaceNodeMaterial(THREE, TSL, surface, {blends = false} = {}) 
     return isBlended ? blended(THREE, material) : material;
 }
 
+// The layers by their names, with their textures and, if they have mips, the texels around `place`.
+function layersIn(TSL, {layers, atlases = []}, textures, place) {
+    const across = TSL.dFdx(place).toVar(), down = TSL.dFdy(place).toVar();
+    const footprint = across.mul(across).add(down.mul(down)).sqrt().toVar();
+    const places = atlases.map(atlas => nodes.placesIn(TSL, textures.charts, atlas, place, footprint));
+    return Object.fromEntries(layers.map(layer => {
+        const mipped = layer.atlas === undefined ? {} : {cell: cellOf(layer.size, layer.mips), places: places[layer.atlas]};
+        if (layer.name === 'coverage')
+            delete mipped.places;
+        return [layer.name, {...layer, texture: textures[`${layer.name}Layer`], ...mipped}];
+    }));
+}
+
 // The display values of FORMAT.md 5.6, as layeredLines() of surface_shader.js writes them in GLSL.
 function layeredColour(TSL, by, lights, {d, place, z, tangent, view}) {
     const {vec2, vec3} = TSL;
@@ -52,7 +64,7 @@ function layeredColour(TSL, by, lights, {d, place, z, tangent, view}) {
     if (by.normal)
         z = nodes.bumpedNormal(TSL, z, tangent, view('normal').xy);
     z = nodes.facingNormal(TSL, z, d);
-    const turned = (name, at = place) => nodes.directionColour(TSL, by[name].texture, by[name], at, z, null, d);
+    const turned = (name, at = place) => nodes.directionColour(TSL, by[name], at, z, null, d);
     const sum = light(by.diffuse, view('diffuse')).toVar();
     let share = vec3(1);
     if (by.specular) {
