@@ -1,6 +1,7 @@
 #include "tools/gltf/glb_writer.h"
 
 #include "format/layers.h"
+#include "format/output_file.h"
 #include "tools/gltf/mean_picture.h"
 #include "tools/picture/picture_encoders.h"
 #include "tools/support/parse.h"
@@ -9,7 +10,6 @@
 #include "tools/view/render_stage.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 
 namespace tessera {
@@ -195,8 +195,7 @@ Result<GlbReport> write_glb(std::span<const GlbInput> inputs, const std::string&
     std::vector<std::unique_ptr<ByteSource>> files;
     for (const GlbInput& input : inputs) {
         TESSERA_TRY_ASSIGN(Surface surface, open_surface(input, options));
-        const std::string name =
-            inputs.size() > 1 ? std::filesystem::path(input.name).stem().string() : "";
+        const std::string name = inputs.size() > 1 ? to_path(input.name).stem().string() : "";
         TESSERA_TRY(add_surface(glb, surface, name, options, report));
         files.push_back(std::move(surface.bytes));
     }
