@@ -240,6 +240,8 @@ TEST_F(Serve, ShowsFilesInItsViewer) {
     options.view_data = [](const std::string& path) -> Result<std::vector<std::byte>> {
         if (path.ends_with("a.tess"))
             return std::vector{std::byte{'d'}};
+        if (path.ends_with("a.tess#1")) // the second texture of a .glb
+            return std::vector{std::byte{'e'}};
         return Status(ErrorCode::invalid_file, "not one");
     };
     auto server = FileServer::start(options);
@@ -250,6 +252,7 @@ TEST_F(Serve, ShowsFilesInItsViewer) {
     const std::string data = ask("GET", "/a.tess?view");
     EXPECT_EQ(body(data), "d");
     EXPECT_EQ(field(data, "Content-Type"), "application/x-tessera-view");
+    EXPECT_EQ(body(ask("GET", "/a.tess?view=1")), "e");
     EXPECT_EQ(status(ask("GET", "/empty.tess?view")), "404");
     EXPECT_EQ(status(ask("GET", "/none.tess?view")), "404");
     EXPECT_EQ(body(ask("GET", "/a.tess")), "0123456789");

@@ -35,8 +35,8 @@ struct SmallGlb {
     Json& extension() { return json["textures"][1]["extensions"][glb_extension]; }
 };
 
-std::string payload_of(const std::string& bytes) {
-    auto opened = unpack_glb(wrap_memory(std::as_bytes(std::span(bytes))));
+std::string payload_of(const std::string& bytes, std::optional<std::size_t> texture = {}) {
+    auto opened = unpack_glb(wrap_memory(std::as_bytes(std::span(bytes))), texture);
     if (!opened.ok())
         return "error " + std::to_string(static_cast<int>(opened.status().code())) + ": " +
                opened.status().message();
@@ -63,7 +63,7 @@ TEST(GlbPayload, IsTheBufferViewOfTheExtension) {
 
 TEST(GlbPayload, ReadsOnlyWithinItself) {
     const std::string bytes = SmallGlb().bytes();
-    const auto opened = unpack_glb(wrap_memory(std::as_bytes(std::span(bytes))));
+    const auto opened = unpack_glb(wrap_memory(std::as_bytes(std::span(bytes))), {});
     ASSERT_TRUE(opened.ok());
     EXPECT_EQ((*opened)->name(), "<memory>");
     EXPECT_EQ(whole_file(**opened).size(), bytes.size());
@@ -121,9 +121,6 @@ TEST(GlbPayload, RefusesWhatPointsNowhere) {
     glb.extension()["mimeType"] = "image/png";
     expect_refused(glb, unsupported, "has a mimeType that is not application/vnd.tessera");
     glb = {};
-    glb.json["textures"][0] = glb.json["textures"][1];
-    expect_refused(glb, unsupported, "textures[1] both have TESSERA_texture_light_field");
-    glb = {};
     glb.json["textures"].erase(1);
     glb.json["materials"] = Json::array();
     expect_refused(glb, ErrorCode::bad_argument, "a binary glTF model without a Tessera texture");
@@ -134,6 +131,44 @@ TEST(GlbPayload, RefusesWhatPointsNowhere) {
     glb = {};
     glb.version = 1;
     expect_refused(glb, unsupported, "is glTF version 1");
+}
+
+TEST(GlbPayload, OfSeveralTexturesIsTheChosenOne) {
+    SmallGlb glb;
+    glb.json["textures"][2] = glb.json["textures"][1];
+    glb.json["textures"][2]["extensions"][glb_extension]["bufferView"] = 0;
+    EXPECT_EQ(payload_of(glb.bytes(), 0), "TESS");
+    EXPECT_EQ(payload_of(glb.bytes(), 1), "0123456789abcdef");
+    expect_refused(glb, ErrorCode::bad_argument,
+                   "has 2 Tessera textures; name one of them, <memory>#0 to #1");
+    EXPECT_NE(payload_of(glb.bytes(), 2).find("<memory>#2: there is no such texture"),
+              std::string::npos);
+    EXPECT_NE(payload_of("no glTF", 0).find("is no .glb"), std::string::npos);
+    EXPECT_EQ(payload_of(SmallGlb().bytes(), 0), "TESS");
+    // Of a file that is cut short, the first texture may be there.
+    const std::string bytes = glb.bytes();
+    const std::string cut = bytes.substr(0, bytes.size() - 4);
+    EXPECT_EQ(payload_of(cut, 1), "0123456789abcdef");
+    EXPECT_NE(payload_of(cut, 0).find("the file ends before the Tessera texture"),
+              std::string::npos);
+    // All of them must be within the file.
+    glb.json["textures"][2]["extensions"][glb_extension]["bufferView"] = 2;
+    EXPECT_NE(payload_of(glb.bytes(), 0).find("textures[2]: TESSERA_texture_light_field names"),
+              std::string::npos);
+}
+
+TEST(GlbPayload, NamesMayChooseATexture) {
+    const auto split = [](const std::string& name) {
+        const GlbName glb = split_glb_name(name);
+        return glb.file + " " + (glb.texture ? std::to_string(*glb.texture) : "none");
+    };
+    EXPECT_EQ(split("a.glb"), "a.glb none");
+    EXPECT_EQ(split("a.glb#0"), "a.glb 0");
+    EXPECT_EQ(split("dir/a.glb#12"), "dir/a.glb 12");
+    EXPECT_EQ(split("https://host/a.glb?x=1#3"), "https://host/a.glb?x=1 3");
+    for (const std::string name : {"a.glb#", "a.glb#x", "a.glb#-1", "a.glb#1x", "a.glb#9999999999",
+                                   "a.tess#1", "https://host/a.tess#1"})
+        EXPECT_EQ(split(name), name + " none");
 }
 
 TEST(GlbPayload, LeavesOutWhatIsNestedDeeply) {

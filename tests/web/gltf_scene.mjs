@@ -9,10 +9,18 @@ import {pngOf} from './png.mjs';
 const page = path.join(path.dirname(fileURLToPath(import.meta.url)), 'gltf_page.html');
 const types = {'.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.wasm': 'application/wasm'};
 
+// What Babylon.js loads as a script: three.js' module without its export.
+function meshoptScript(npm) {
+    const module = path.join(npm, 'three/examples/jsm/libs/meshopt_decoder.module.js');
+    return fs.readFileSync(module, 'utf8').replace(/^export .*$/m, '');
+}
+
 // roots: the folders {package, npm, files} that are served under these names, with byte ranges.
 function serve(roots) {
     return createServer((request, response) => {
         const [, root, ...rest] = decodeURIComponent(new URL(request.url, 'http://x').pathname).split('/');
+        if (rest.join('/') === 'meshopt_decoder.js')
+            return response.writeHead(200, {'Content-Type': 'text/javascript'}).end(meshoptScript(roots.npm));
         const file = root === '' ? page : path.join(roots[root] ?? roots.files, ...rest);
         if (!fs.existsSync(file) || !fs.statSync(file).isFile())
             return response.writeHead(404).end();

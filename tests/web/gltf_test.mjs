@@ -11,7 +11,7 @@ import {tmpdir} from 'node:os';
 import path from 'node:path';
 import {fileURLToPath} from 'node:url';
 import {GltfScene} from './gltf_scene.mjs';
-import {bumpyBox, changedGlb} from './models.mjs';
+import {bumpyBox, changedGlb, fitBox, shinyBox} from './models.mjs';
 import {compared, readPng} from './png.mjs';
 
 const [packageFolder, tool, chromium, modules, pictures] =
@@ -39,17 +39,39 @@ function makeFiles() {
     tessera('bake', 'box.gltf', '-o', 'layered.glb', '--layered', '--texels', '20000', '--lights', '6', '--spp', '1',
             '--quality', '90', '-q');
     tessera('convert', 'layered.glb', '-o', 'layered.tess', '-q');
-    tessera('convert', 'layered.tess', '-o', 'draco.glb', '--draco', '--jpeg', '90', '--picture-side', '64', '-q');
+    // 128x320 texels, five tiles of 64 along v, which begin at multiples of 16. Those of 128x288 have no mips.
+    tessera('bake', 'box.gltf', '-o', 'mips.glb', '--layered', '--texels', '24000', '--lights', '6', '--spp', '1',
+            '--quality', '90', '-q');
+    tessera('convert', 'mips.glb', '-o', 'mips.tess', '-q');
+    fs.writeFileSync(at('shiny.gltf'), shinyBox());
+    tessera('bake', 'shiny.gltf', '-o', 'shiny.glb', '--layered', '--texels', '8000', '--lights', '6', '--spp', '1',
+            '--quality', '90', '-q');
+    tessera('convert', 'shiny.glb', '-o', 'shiny.tess', '-q');
+    fitBox(tessera, at, 'box.gltf', 'fitted.tess');
+    tessera('convert', 'fitted.tess', '-o', 'fitted.glb', '-q');
+    tessera('convert', 'layered.tess', '-o', 'draco.glb', '--mesh-compression', 'draco', '--jpeg', '90', '--picture-side', '64', '-q');
     tessera('bake', 'composed', '-o', 'single.tess', '--proxy', 'mesh', '--density', '6', '--directions', '8x8',
             '--angular-map', 'octahedral-hemisphere', '--spp', '1', '--effort', '0', '-q');
     tessera('convert', 'single.tess', '-o', 'single.glb', '-q');
     tessera('bake', 'composed', '-o', 'mirrored.tess', '--proxy', 'mesh', '--density', '6', '--directions', '8x8',
             '--angular-map', 'octahedral-mirrored', '--spp', '1', '--effort', '0', '-q');
     tessera('convert', 'mirrored.tess', '-o', 'mirrored.glb', '-q');
+    tessera('bake', 'composed', '-o', 'sphere.tess', '--size', '64x32x8x8', '--spp', '1', '--effort', '0', '-q');
+    tessera('bake', 'composed', '-o', 'inside.tess', '--proxy', 'sphere-inside:0,1.1,0,0.4', '--size', '64x32x8x8', '--spp', '1',
+            '--effort', '0', '-q');
+    tessera('convert', 'layered.tess', '-o', 'meshopt.glb', '--mesh-compression', 'meshopt', '-q');
+    fs.writeFileSync(at('blended.gltf'), bumpyBox(0.5));
+    tessera('bake', 'blended.gltf', '-o', 'blended.glb', '--layered', '--texels', '8000', '--lights', '6', '--spp', '1',
+            '--quality', '90', '-q');
+    tessera('convert', 'blended.glb', '-o', 'blended.tess', '-q');
+    tessera('convert', 'blended.tess', 'single.tess', '-o', 'two.glb', '-q');
     const glb = fs.readFileSync(at('layered.glb'));
     fs.writeFileSync(at('damaged.glb'), changedGlb(glb, (json, chunk) => {
         const {byteOffset, byteLength} = json.bufferViews[extensionOf(json).bufferView];
         chunk[byteOffset + byteLength - 40] ^= 1;
+    }));
+    fs.writeFileSync(at('beyond.glb'), changedGlb(glb, json => {
+        json.bufferViews[extensionOf(json).bufferView].byteOffset += 1e6;
     }));
     fs.writeFileSync(at('outside.glb'), changedGlb(glb, json => { extensionOf(json).bufferView = 99; }));
 }
@@ -57,7 +79,7 @@ function makeFiles() {
 const tests = {
     async 'the validator of Khronos has no error and no warning'() {
         const validator = createRequire(path.join(modules, 'x.js'))('gltf-validator');
-        for (const name of ['layered.glb', 'draco.glb', 'single.glb']) {
+        for (const name of ['layered.glb', 'draco.glb', 'meshopt.glb', 'single.glb', 'blended.glb', 'two.glb']) {
             const {issues} = await validator.validateBytes(new Uint8Array(fs.readFileSync(at(name))));
             console.log(`   ${name}: ${issues.numErrors} errors, ${issues.numWarnings} warnings, ${issues.numInfos} ` +
                         `infos, ${issues.numHints} hints`);
@@ -87,7 +109,7 @@ const tests = {
             });
     },
     async 'plugins draw what tessera render draws'() {
-        for (const name of ['layered', 'single'])
+        for (const name of ['layered', 'single', 'shiny', 'fitted'])
             for (const engine of ['three', 'babylon']) {
                 const view = views[name], png = reference(name, view);
                 const [picture, shown] = await draw(engine, `${name}.glb`, true, view, [...png.pixels.subarray(0, 3)]);
@@ -98,12 +120,12 @@ const tests = {
                 assert(shown.materials.every(type => type === 'RawShaderMaterial' || type === 'ShaderMaterial'));
             }
     },
-    async 'the node material draws the same with WebGPU and WebGL2'() {
-        for (const angularMap of ['hemisphere', 'mirrored'])
+    async 'node materials draw the same with WebGPU and WebGL2'() {
+        for (const name of ['single', 'mirrored', 'layered', 'shiny', 'fitted', 'sphere', 'inside'])
             for (const [engine, backend] of [['threeWebgpu', 'WebGPU'], ['threeNodes', 'WebGL2']]) {
-                const name = angularMap === 'mirrored' ? 'mirrored' : 'single', view = views.single;
-                const png = reference(name, view);
-                const [picture, shown] = await draw(engine, `${name}.glb`, true, view, [...png.pixels.subarray(0, 3)]);
+                const view = views[name] ?? views.single, png = reference(name, view);
+                const file = fs.existsSync(at(`${name}.glb`)) ? `${name}.glb` : `${name}.tess`;
+                const [picture, shown] = await draw(engine, file, true, view, [...png.pixels.subarray(0, 3)]);
                 assert.deepEqual(shown.warnings, []);
                 assert.equal(shown.backend, backend);
                 const {share, psnr} = compared(picture, png);
@@ -111,15 +133,48 @@ const tests = {
                 assert(share >= near, `${share} of the pixels are equal`);
                 assert(shown.materials.every(type => type === 'MeshBasicNodeMaterial'), shown.materials);
             }
-        const [, {warnings}] = await draw('threeNodes', 'layered.glb', true, views.layered);
-        assert.match(warnings[0], /has layers: use WebGLRenderer; the picture is shown instead/);
+        for (const engine of ['threeWebgpu', 'threeNodes']) {
+            const [picture, shown] = await draw(engine, 'blended.glb', true, views.layered);
+            const {psnr} = compared(picture, reference('blended', views.layered));
+            console.log(`   blended, ${shown.backend}: ${psnr.toFixed(1)} dB`);
+            assert.deepEqual(shown.warnings, []);
+            assert(psnr > 25, `${psnr} dB`);
+        }
+    },
+    async 'plugins use the mips that tessera render uses'() {
+        for (const name of ['layered', 'mips'])
+            for (const engine of ['three', 'babylon', 'threeWebgpu', 'threeNodes']) {
+                const [picture] = await draw(engine, `${name}.glb`, true, far), {share, psnr} = compared(picture, reference(name, far));
+                console.log(`   ${name} in ${engine}: ${(100 * share).toFixed(2)} % of the pixels, ${psnr.toFixed(1)} dB`);
+                assert(share >= near, `${share} of the pixels are equal`);
+            }
     },
     async 'meshes may be compressed'() {
+        for (const name of ['draco', 'meshopt'])
+            for (const engine of ['three', 'babylon']) {
+                const [picture, {warnings}] = await draw(engine, `${name}.glb`, true, views.layered);
+                const {psnr} = compared(picture, reference('layered', views.layered));
+                console.log(`   ${name} in ${engine}: ${psnr.toFixed(1)} dB`);
+                assert.deepEqual(warnings, []);
+                assert(psnr > 35);
+            }
+    },
+    async 'surfaces with a layer of opacity blend'() {
+        // Both engines blend display values, tessera render linear light.
         for (const engine of ['three', 'babylon']) {
-            const [picture] = await draw(engine, 'draco.glb', true, views.layered);
-            const {psnr} = compared(picture, reference('layered', views.layered));
-            console.log(`   Draco in ${engine}: ${psnr.toFixed(1)} dB`);
-            assert(psnr > 35);
+            const [picture, {warnings}] = await draw(engine, 'blended.glb', true, views.layered);
+            const {share, psnr} = compared(picture, reference('blended', views.layered));
+            console.log(`   ${engine}: ${(100 * share).toFixed(2)} % of the pixels, ${psnr.toFixed(1)} dB`);
+            assert.deepEqual(warnings, []);
+            assert(psnr > 25, `${psnr} dB`); // 27.0
+        }
+    },
+    async 'several textures are drawn'() {
+        for (const engine of ['three', 'babylon']) {
+            const [, {warnings, materials}] = await draw(engine, 'two.glb', true, views.layered);
+            assert.deepEqual(warnings, []);
+            assert.equal(materials.length, 3); // what hides, what blends, and the other file
+            assert(materials.every(type => type === 'RawShaderMaterial' || type === 'ShaderMaterial'), materials);
         }
     },
     async 'without the plugin the picture shows'() {
@@ -130,7 +185,8 @@ const tests = {
             const {psnr} = compared(plain, reference('layered', views.layered));
             console.log(`   picture in ${engine}: ${psnr.toFixed(1)} dB to the texture`);
             assert(psnr > 15 && psnr < 35);
-            for (const [name, reason] of [['damaged.glb', /checksum|damaged/], ['outside.glb', /buffer view 99/]]) {
+            for (const [name, reason] of [['damaged.glb', /checksum|damaged/], ['outside.glb', /buffer view 99/],
+                                          ['beyond.glb', /./]]) {
                 const [replaced, {warnings}] = await draw(engine, name, true, views.layered);
                 assert.equal(warnings.length, 1);
                 assert.match(warnings[0], reason);
@@ -141,8 +197,12 @@ const tests = {
     },
 };
 
-const views = {layered: {eye: [4.5, 2.5, 3.5], look: [0, 0, 0], fov: 45, far: 50},
-               single: {eye: [7, 2, 2], look: [0, 0, 0], fov: 30, far: 50}};
+const whole = {eye: [4.5, 2.5, 3.5], look: [0, 0, 0], fov: 45, far: 50};
+const far = {eye: [18, 10, 14], look: [0, 0, 0], fov: 30, far: 100};
+const views = {layered: whole, shiny: whole, fitted: whole,
+               single: {eye: [7, 2, 2], look: [0, 0, 0], fov: 30, far: 50},
+               sphere: {eye: [10, 3, 1], look: [0, 0, 0], fov: 45, far: 50},
+               inside: {eye: [0.1, 1.15, 0.05], look: [1, 0.3, 1.2], fov: 80, far: 50}};
 
 // One ray per pixel, like the GPU.
 function reference(name, {eye, look, fov}) {

@@ -1,4 +1,5 @@
 // Models for tests.
+import fs from 'node:fs';
 import {pngOf} from './png.mjs';
 
 // A metal box above a floor, both with a normal map, as the text of a glTF file. The box blends with this opacity, and a
@@ -44,6 +45,33 @@ export function bumpyBox(opacity = 1) {
         accessors: [...part(0, 6, [-2.5, -1, -2.5], [2.5, -1, 2.5]), ...part(6, count - 6, [-1, -1, -1], [1, 1, 1])],
         bufferViews: [0, 1, 2].map(i => ({buffer: 0, byteOffset: at[i], byteLength: at[i + 1] - at[i]})),
         buffers: [{byteLength: bytes.length, uri: inline('application/octet-stream', bytes)}]});
+}
+
+// The same with holes in the floor, which also emits light, and with a mirror of a box: baked, it has the layers of
+// coverage, emission and the environment besides.
+export function shinyBox() {
+    const model = JSON.parse(bumpyBox()), [floor, box] = model.materials;
+    const holes = pngOf(16, 16, (x, y) => [200, 220, 200, x >> 2 & y >> 2 & 1 ? 0 : 255]);
+    model.images.push({uri: `data:image/png;base64,${holes.toString('base64')}`});
+    model.textures.push({source: 1});
+    Object.assign(floor, {emissiveFactor: [0.3, 0.1, 0.05], alphaMode: 'MASK'});
+    floor.pbrMetallicRoughness.baseColorTexture = {index: 1};
+    box.pbrMetallicRoughness.roughnessFactor = 0.05;
+    return JSON.stringify(model);
+}
+
+// Fits layers to plain pictures of `box`, each of another colour, so that its colours change with the direction.
+// tessera(...words) runs the tool, at(name) is a path in a folder for the pictures.
+export function fitBox(tessera, at, box, output) {
+    const frames = Array.from({length: 6}, (_, i) => {
+        const angle = 0.4 + i * Math.PI / 3, s = Math.sin(angle), c = Math.cos(angle), name = `photo${i}.png`;
+        const pixel = String.fromCharCode(40 + 30 * i, 200 - 25 * i, 128);
+        fs.writeFileSync(at(name), 'P6 32 32 255\n' + pixel.repeat(32 * 32), 'latin1');
+        return {file_path: name, transform_matrix: [[c, 0, s, 6 * s], [0, 1, 0, 0], [-s, 0, c, 6 * c], [0, 0, 0, 1]]};
+    });
+    fs.writeFileSync(at('transforms.json'), JSON.stringify({w: 32, h: 32, fl_x: 40, frames}));
+    tessera('fit', at('transforms.json'), '--mesh', at(box), '-o', at(output), '--background', 'black', '--texels', '2000',
+            '--directions', '4', '--shared-directions', '8', '--smoothness', '1', '--no-corrections', '--quality', '90', '-q');
 }
 
 // A .glb after change(json, chunk) has changed its JSON and the bytes of its binary chunk.

@@ -124,6 +124,48 @@ for (const [change, reason] of [[json => { viewOf(json).byteLength += 1000; }, /
                                 [(json, chunk) => { chunk[viewOf(json).byteOffset] = 0; }, /./]])
     assert.throws(() => codec.openBytes(changedGlb(glb, change)), reason);
 assert.throws(() => codec.openBytes(glb.subarray(0, 200)), Error);
+// Two textures, of which the second is the same file.
+const twice = changedGlb(glb, json => json.textures.push({source: 0}, json.textures[0]));
+assert.throws(() => codec.openBytes(twice), /has 2 Tessera textures: choose one by its number, 0 to 1/);
+assert.throws(() => codec.openBytes(twice, {texture: 2}), /choose one/);
+for (const texture of [0, 1])
+    assert.deepEqual(codec.openBytes(twice, {texture}).info, codec.openBytes(glb).info);
+
+// Opacity: alpha only where the material blends, with triangles from back to front.
+fs.writeFileSync(path.join(scratch, 'glass.gltf'), bumpyBox(0.5));
+execFileSync(tool, ['bake', path.join(scratch, 'glass.gltf'), '-o', path.join(scratch, 'glass.tess'), '--layered', '--texels',
+                    '2000', '--lights', '5', '--spp', '1', '-q']);
+const glass = surfaceModule.readSurface(codec.openBytes(fs.readFileSync(path.join(scratch, 'glass.tess'))));
+assert(surfaceModule.isTranslucent(glass) && !surfaceModule.isTranslucent(layered));
+for (const blends of [false, true]) {
+    const material = three.surfaceMaterial(THREE, glass, {blends});
+    checkShaders(material);
+    assert.equal(material.transparent ?? false, blends);
+    assert.equal(/colour\.a = hidden/.test(material.given[0].fragmentShader), blends);
+}
+// Mips: means of each chart. The left and the right half of 4x2 texels are charts.
+const {withMips} = await import(pathToFileURL(path.join(folder, 'mips.js')));
+const square = (left, right) => [[left, 0], [right, 0], [right, 1], [left, 1]];
+const uv = [...square(0.01, 0.49), ...square(0.51, 0.99)], meshes = [
+    {indices: [0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7], vertices: 8, uvOf: i => uv[i]}];
+const pixel = x => [x, 2 * x, 0, 255], row = [10, 20, 30, 41].flatMap(pixel);
+const flat = {angularMap: 4, lights: {count: 0}, layers: [
+    {name: 'texture', size: [4, 2, 1, 1], columns: 1, srgb: false, scale: 1, mips: 1,
+     picture: {width: 4, height: 2, half: false, pixels: Uint8Array.from([...row, ...row])}}]};
+const [{picture: mipped}] = withMips(flat, meshes).layers;
+assert.deepEqual([mipped.width, mipped.height], [6, 2]);
+assert.deepEqual([...mipped.pixels.subarray(16, 24)], [15, 30, 0, 255, 36, 71, 0, 255]);
+assert.deepEqual([...mipped.pixels.subarray(0, 16)], row);
+assert.equal(withMips(flat, meshes, 5), flat); // too large for the device
+assert.equal(withMips({...flat, layers: [{...flat.layers[0], mips: 0}]}, meshes).charts, undefined);
+const withCharts = withMips(glass, meshes);
+assert(withCharts.charts.pixels.some(x => x));
+checkShaders(three.surfaceMaterial(THREE, withCharts));
+const {TriangleOrder} = await import(pathToFileURL(path.join(folder, 'triangle_order.js')));
+const order = new TriangleOrder(Uint16Array.of(0, 1, 2, 3, 4, 5), i => [0, i % 3, i < 3 ? 1 : 2]);
+assert.deepEqual([...order.seenFrom([0, 0, 9])], [0, 1, 2, 3, 4, 5]);
+assert.equal(order.seenFrom([0, 0, 9]), null);
+assert.deepEqual([...order.seenFrom([0, 0, -9])], [3, 4, 5, 0, 1, 2]);
 console.log(`ok material${glslang === undefined ? ' (no glslangValidator: shaders are not checked)' : ''}`);
 
 fs.writeFileSync(path.join(scratch, 'user.ts'), `

@@ -11,12 +11,12 @@ function checksum(bytes) {
     return ~sum >>> 0;
 }
 
-// colour(x, y) returns [red, green, blue].
+// colour(x, y) returns [red, green, blue], or with alpha four numbers.
 export function pngOf(width, height, colour) {
-    const rows = Buffer.alloc((1 + 3 * width) * height);
+    const {length: channels} = colour(0, 0), bytes = 1 + channels * width, rows = Buffer.alloc(bytes * height);
     for (let y = 0; y < height; ++y)
         for (let x = 0; x < width; ++x)
-            rows.set(colour(x, y), (1 + 3 * width) * y + 1 + 3 * x);
+            rows.set(colour(x, y), bytes * y + 1 + channels * x);
     const part = (kind, data) => {
         const out = Buffer.alloc(12 + data.length);
         out.writeUInt32BE(data.length);
@@ -28,7 +28,7 @@ export function pngOf(width, height, colour) {
     const header = Buffer.alloc(13);
     header.writeUInt32BE(width);
     header.writeUInt32BE(height, 4);
-    header.set([8, 2], 8);
+    header.set([8, channels === 4 ? 6 : 2], 8);
     return Buffer.concat([Buffer.from('\x89PNG\r\n\x1a\n', 'latin1'), part('IHDR', header),
                           part('IDAT', deflateSync(rows)), part('IEND', Buffer.alloc(0))]);
 }

@@ -10,7 +10,7 @@ import {createServer} from 'node:http';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {Browser} from './browser.mjs';
-import {bumpyBox} from './models.mjs';
+import {bumpyBox, fitBox} from './models.mjs';
 import {compared, readPng} from './png.mjs';
 import {movingColour, texelsOf} from './textures.mjs';
 
@@ -29,21 +29,6 @@ function planarColour(u, v, s, t) {
     return isNear ? [230, 60, x * 20 % 256] : [u * 5 % 256, v * 7 % 256, (u >> 2) + (v >> 2) & 1 ? 128 : 60];
 }
 
-// A texture that is fitted to plain pictures of the box, each of another colour, so that its colours change with the
-// direction.
-function makeFit() {
-    const frames = Array.from({length: 6}, (_, i) => {
-        const angle = 0.4 + i * Math.PI / 3, s = Math.sin(angle), c = Math.cos(angle), name = `photo${i}.png`;
-        const pixel = String.fromCharCode(40 + 30 * i, 200 - 25 * i, 128);
-        writeFileSync(inFolder(name), 'P6 32 32 255\n' + pixel.repeat(32 * 32), 'latin1');
-        return {file_path: name, transform_matrix: [[c, 0, s, 6 * s], [0, 1, 0, 0], [-s, 0, c, 6 * c], [0, 0, 0, 1]]};
-    });
-    writeFileSync(inFolder('transforms.json'), JSON.stringify({w: 32, h: 32, fl_x: 40, frames}));
-    tessera('fit', inFolder('transforms.json'), '--mesh', inFolder('box.gltf'), '-o', inFolder('fitted.tess'), '--background',
-            'black', '--texels', '2000', '--directions', '4', '--shared-directions', '8', '--smoothness', '1',
-            '--no-corrections', '--quality', '90', '-q');
-}
-
 function makeTextures() {
     const quick = ['--spp', '1', '--effort', '0', '-q'];
     tessera('bake', 'composed', '-o', inFolder('sphere.tess'), '--size', '64x32x16x16', '--layers', ...quick);
@@ -57,7 +42,7 @@ function makeTextures() {
     writeFileSync(inFolder('panes.gltf'), bumpyBox(0.6));
     tessera('bake', inFolder('panes.gltf'), '-o', inFolder('panes.tess'), '--layered', '--texels', '6000', '--lights', '4',
             '--spp', '1', '--quality', '100', '-q');
-    makeFit();
+    fitBox(tessera, inFolder, 'box.gltf', 'fitted.tess');
     for (const [name, colour, ...more] of [['planar', planarColour, '0'],
                                            ['aligned', movingColour, '2', '--tile', '16x16x3x5']]) {
         writeFileSync(inFolder(`${name}.rgb`), texelsOf([48, 36, 5, 5], colour));
@@ -129,12 +114,13 @@ const tests = {
         }
     },
     async 'layers: what render draws, damage, and too little memory'(browser, {url}) {
-        tessera('view', inFolder('lit.tess'), '-o', inFolder('lit.html'), '-q');
-        tessera('convert', inFolder('lit.tess'), '-o', inFolder('lit.glb'), '-q');
+        tessera('convert', inFolder('panes.tess'), inFolder('lit.tess'), '-o', inFolder('lit.glb'), '--picture-side', '32',
+                '-q');
+        tessera('view', inFolder('lit.glb#1'), '-o', inFolder('lit.html'), '-q');
         const views = [{eye: '6,4,5'}, {eye: '1.6,1.3,1.9', look: '0.4,0.2,0.9', fov: 30}, {eye: '-30,18,9', fov: 12}];
         for (const [i, pose] of views.entries()) {
             const at = hash(pose, '400x300');
-            await browser.open(i === 1 ? `${url}?f=lit.glb${at.replace('#', '#parts&')}`
+            await browser.open(i === 1 ? `${url}?f=lit.glb&texture=1${at.replace('#', '#parts&')}`
                                        : `file://${inFolder('lit.html')}${at}`);
             const picture = await browser.picture();
             const {psnr} = compared(picture, rendered('lit.tess', pose, '400x300'));

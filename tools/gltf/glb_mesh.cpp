@@ -80,8 +80,33 @@ std::vector<glm::vec4> gltf_tangents(const SurfaceMesh& mesh) {
     return tangents;
 }
 
-Result<DracoPrimitive> compress_primitive(const SurfaceMesh& mesh,
-                                          const std::vector<glm::vec4>& tangents) {
+GltfMesh part_of(const GltfMesh& whole, const std::vector<bool>& chosen, bool value) {
+    constexpr std::uint32_t unused = ~0u;
+    const SurfaceMesh& from = whole.mesh;
+    std::vector<std::uint32_t> moved(from.positions.size(), unused);
+    GltfMesh part;
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+        if (chosen[i] == value) {
+            part.mesh.triangles.push_back(from.triangles[i]);
+            for (const std::uint32_t corner : from.triangles[i])
+                moved[corner] = 0;
+        }
+    for (std::size_t i = 0; i < moved.size(); ++i)
+        if (moved[i] != unused) {
+            moved[i] = static_cast<std::uint32_t>(part.mesh.positions.size());
+            part.mesh.positions.push_back(from.positions[i]);
+            part.mesh.normals.push_back(from.normals[i]);
+            part.mesh.uv.push_back(from.uv[i]);
+            part.tangents.push_back(whole.tangents[i]);
+        }
+    for (auto& triangle : part.mesh.triangles)
+        for (std::uint32_t& corner : triangle)
+            corner = moved[corner];
+    return part;
+}
+
+Result<DracoPrimitive> compress_primitive(const GltfMesh& gltf) {
+    const SurfaceMesh& mesh = gltf.mesh;
     draco::Mesh out;
     out.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
     for (const auto& triangle : mesh.triangles)
@@ -95,7 +120,7 @@ Result<DracoPrimitive> compress_primitive(const SurfaceMesh& mesh,
     ids["POSITION"] = add_draco_attribute<3>(out, DracoKind::POSITION, mesh.positions);
     ids["NORMAL"] = add_draco_attribute<3>(out, DracoKind::NORMAL, mesh.normals);
     ids["TEXCOORD_0"] = add_draco_attribute<2>(out, DracoKind::TEX_COORD, mesh.uv);
-    ids["TANGENT"] = add_draco_attribute<4>(out, DracoKind::GENERIC, tangents);
+    ids["TANGENT"] = add_draco_attribute<4>(out, DracoKind::GENERIC, gltf.tangents);
     out.DeduplicateAttributeValues();
     out.DeduplicatePointIds();
     draco::Encoder encoder;

@@ -19,6 +19,15 @@ namespace tessera {
 // by their area; +1 if there is none.
 std::vector<glm::vec4> gltf_tangents(const SurfaceMesh& mesh);
 
+// A mesh with gltf_tangents(), per vertex.
+struct GltfMesh {
+    SurfaceMesh mesh;
+    std::vector<glm::vec4> tangents;
+};
+
+// The triangles of `mesh` for which `chosen` is `value`, and their vertices. The order of both stays.
+GltfMesh part_of(const GltfMesh& mesh, const std::vector<bool>& chosen, bool value);
+
 // A mesh as one Draco stream for KHR_draco_mesh_compression.
 struct DracoPrimitive {
     std::vector<std::byte> stream;
@@ -32,7 +41,6 @@ struct DracoPrimitive {
 // bits for the coordinates of normals and tangents. Triangles that have two corners at one position
 // are left out. The same mesh gives the same bytes. Errors: bad_argument (no triangle is left);
 // runtime (Draco fails).
-Result<DracoPrimitive> compress_primitive(const SurfaceMesh& mesh,
-                                          const std::vector<glm::vec4>& tangents);
+Result<DracoPrimitive> compress_primitive(const GltfMesh& mesh);
 
 } // namespace tessera

@@ -1,182 +1,31 @@
 #include "tools/gltf/glb_writer.h"
 
-#include "format/metadata.h"
+#include "format/layers.h"
 #include "format/output_file.h"
-#include "tools/gltf/glb_mesh.h"
 #include "tools/gltf/mean_picture.h"
-#include "tools/http/glb_payload.h"
 #include "tools/picture/picture_encoders.h"
-#include "tools/support/copy_bytes.h"
-#include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/view/mesh_renderer.h"
 #include "tools/view/render_stage.h"
 
 #include <algorithm>
-#include <bit>
-#include <glm/common.hpp>
+#include <memory>
 
 namespace tessera {
 namespace {
 
 // Numbers of glTF 2.0.
-constexpr int array_buffer = 34962, element_array_buffer = 34963, type_float = 5126,
-              type_u16 = 5123, type_u32 = 5125, linear_filter = 9729, linear_mipmaps = 9987,
-              clamp_to_edge = 33071;
-constexpr std::uint64_t most_glb_bytes = 0xFFFFFFFF;
+constexpr int linear_filter = 9729, linear_mipmaps = 9987, clamp_to_edge = 33071;
+// Of 255. From this alpha on, a pixel counts as one that hides what is behind it: coding changes full
+// opacity by a few steps near the edges of charts.
+constexpr int hiding_alpha = 230;
 
-void append_word(std::vector<std::byte>& out, std::uint32_t word) {
-    for (int shift = 0; shift < 32; shift += 8)
-        out.push_back(static_cast<std::byte>(word >> shift));
-}
-
-template <class Vector> std::vector<std::byte> bytes_of(const std::vector<Vector>& values) {
-    std::vector<std::byte> out;
-    for (const Vector& value : values)
-        for (glm::length_t c = 0; c < Vector::length(); ++c)
-            append_word(out, std::bit_cast<std::uint32_t>(value[c] + 0.0f)); // no -0
-    return out;
-}
-
-Json as_json(const glm::vec3& v) {
-    return {v.x, v.y, v.z};
-}
-
-// The JSON and the binary chunk, but for the .tess file at its end.
-class GlbFile {
-public:
-    GlbFile() {
-        json = {{"asset",
-                 {{"version", "2.0"}, {"generator", std::string("Tessera ") + library_version}}},
-                {"extensionsUsed", Json::array({"KHR_materials_unlit", glb_extension})}};
-    }
-
-    // Returns the index of the buffer view.
-    std::size_t add_view(std::span<const std::byte> bytes, int target = 0) {
-        Json view = {{"buffer", 0}, {"byteOffset", chunk_.size()}, {"byteLength", bytes.size()}};
-        if (target != 0)
-            view["target"] = target;
-        views_.push_back(std::move(view));
-        chunk_.insert(chunk_.end(), bytes.begin(), bytes.end());
-        chunk_.resize((chunk_.size() + 3) / 4 * 4); // accessors begin at multiples of 4
-        return views_.size() - 1;
-    }
-    std::size_t add_accessor(Json accessor) {
-        json["accessors"].push_back(std::move(accessor));
-        return json["accessors"].size() - 1;
-    }
-
-    // Writes everything, with the .tess file as the last buffer view, which the texture names.
-    Result<std::uint64_t> write(ByteSource& tess, const std::string& output) {
-        json["textures"][0]["extensions"][glb_extension] = {{"bufferView", views_.size()},
-                                                            {"mimeType", tess_mime_type}};
-        views_.push_back(
-            {{"buffer", 0}, {"byteOffset", chunk_.size()}, {"byteLength", tess.size()}});
-        json["bufferViews"] = views_;
-        const std::uint64_t chunk_bytes = (chunk_.size() + tess.size() + 3) / 4 * 4;
-        json["buffers"][0]["byteLength"] = chunk_bytes;
-        std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-        text.resize((text.size() + 3) / 4 * 4, ' ');
-        const std::uint64_t all = 12 + 8 + text.size() + 8 + chunk_bytes;
-        if (all > most_glb_bytes)
-            return Status(ErrorCode::unsupported, output + ": would have " + human_bytes(all) +
-                                                      ", but a .glb has at most 4 GiB");
-        std::vector<std::byte> head;
-        for (const std::uint64_t word : {std::uint64_t{0x46546C67}, std::uint64_t{2}, all,
-                                         std::uint64_t{text.size()}, std::uint64_t{0x4E4F534A}})
-            append_word(head, static_cast<std::uint32_t>(word));
-        const auto letters = std::as_bytes(std::span(text));
-        head.insert(head.end(), letters.begin(), letters.end());
-        append_word(head, static_cast<std::uint32_t>(chunk_bytes));
-        append_word(head, 0x004E4942);
-        TESSERA_TRY(make_parent_folders(output));
-        TESSERA_TRY_ASSIGN(OutputFile file, OutputFile::create(output));
-        TESSERA_TRY(file.append(head));
-        TESSERA_TRY(file.append(chunk_));
-        TESSERA_TRY(copy_bytes(tess, file));
-        TESSERA_TRY(file.append(std::vector<std::byte>(all - file.appended())));
-        TESSERA_TRY(file.commit());
-        return all;
-    }
-
-    Json json;
-
-private:
-    Json views_ = Json::array();
-    std::vector<std::byte> chunk_;
-};
-
-Json float_accessor(const char* type, std::size_t count) {
-    return {{"componentType", type_float}, {"count", count}, {"type", type}};
-}
-
-// Returns the primitive without its material.
-Json add_plain_mesh(GlbFile& glb, const SurfaceMesh& mesh) {
-    const std::size_t count = mesh.positions.size();
-    Json primitive;
-    const auto add = [&](const char* name, const char* type, const std::vector<std::byte>& bytes) {
-        Json accessor = float_accessor(type, count);
-        accessor["bufferView"] = glb.add_view(bytes, array_buffer);
-        if (std::string(name) == "POSITION") {
-            glm::vec3 low = mesh.positions.front(), high = low;
-            for (const glm::vec3& p : mesh.positions) {
-                low = glm::min(low, p);
-                high = glm::max(high, p);
-            }
-            accessor["min"] = as_json(low + 0.0f);
-            accessor["max"] = as_json(high + 0.0f);
-        }
-        primitive["attributes"][name] = glb.add_accessor(std::move(accessor));
-    };
-    add("POSITION", "VEC3", bytes_of(mesh.positions));
-    add("NORMAL", "VEC3", bytes_of(mesh.normals));
-    add("TANGENT", "VEC4", bytes_of(gltf_tangents(mesh)));
-    add("TEXCOORD_0", "VEC2", bytes_of(mesh.uv));
-    const bool is_small = count <= 0xFFFF; // the index 0xFFFF itself is not allowed
-    std::vector<std::byte> indices;
-    for (const auto& triangle : mesh.triangles)
-        for (const std::uint32_t corner : triangle)
-            for (int shift = 0; shift < (is_small ? 16 : 32); shift += 8)
-                indices.push_back(static_cast<std::byte>(corner >> shift));
-    primitive["indices"] =
-        glb.add_accessor({{"bufferView", glb.add_view(indices, element_array_buffer)},
-                          {"componentType", is_small ? type_u16 : type_u32},
-                          {"count", 3 * mesh.triangles.size()},
-                          {"type", "SCALAR"}});
-    return primitive;
-}
-
-Result<Json> add_draco_mesh(GlbFile& glb, const SurfaceMesh& mesh) {
-    constexpr const char* extension = "KHR_draco_mesh_compression";
-    TESSERA_TRY_ASSIGN(const DracoPrimitive draco, compress_primitive(mesh, gltf_tangents(mesh)));
-    glb.json["extensionsUsed"].push_back(extension);
-    glb.json["extensionsRequired"].push_back(extension);
-    Json primitive;
-    for (const auto& [name, type] :
-         {std::pair("POSITION", "VEC3"), std::pair("NORMAL", "VEC3"), std::pair("TANGENT", "VEC4"),
-          std::pair("TEXCOORD_0", "VEC2")}) {
-        Json accessor = float_accessor(type, draco.vertices);
-        if (std::string(name) == "POSITION") {
-            accessor["min"] = as_json(draco.low + 0.0f);
-            accessor["max"] = as_json(draco.high + 0.0f);
-        }
-        primitive["attributes"][name] = glb.add_accessor(std::move(accessor));
-    }
-    primitive["indices"] =
-        glb.add_accessor({{"componentType", draco.vertices <= 0xFFFF ? type_u16 : type_u32},
-                          {"count", 3 * draco.triangles},
-                          {"type", "SCALAR"}});
-    primitive["extensions"][extension] = {{"bufferView", glb.add_view(draco.stream)},
-                                          {"attributes", Json(draco.attributes)}};
-    return primitive;
-}
-
-Result<std::vector<std::byte>> encode_mean(const MeanPicture& picture, const GlbOptions& options) {
+Result<std::vector<std::byte>> encode_mean(const MeanPicture& picture, bool is_jpeg,
+                                           const GlbOptions& options) {
     const PixelSize size{picture.width, picture.height, picture.channels()};
-    return options.jpeg_quality && !picture.has_alpha
-               ? encode_jpeg(size, picture.pixels, *options.jpeg_quality)
-               : encode_png(size, picture.pixels);
+    return is_jpeg ? encode_jpeg(size, picture.pixels, *options.jpeg_quality)
+                   : encode_png(size, picture.pixels);
 }
 
 // The largest side of the layers along `axis`, halved until it fits.
@@ -198,96 +47,184 @@ Result<MeanPicture> mean_picture(Stage& stage, const SurfaceMesh& mesh, const Gl
                              drawing);
 }
 
-void add_scene(GlbFile& glb, Json primitive, std::size_t picture_view, const char* mime,
-               bool has_holes) {
-    primitive["material"] = 0;
-    Json& json = glb.json;
-    json["scene"] = 0;
-    json["scenes"][0]["nodes"][0] = 0;
-    json["nodes"][0]["mesh"] = 0;
-    json["meshes"][0]["primitives"][0] = std::move(primitive);
-    Json& material = json["materials"][0];
-    Json& base = material["pbrMetallicRoughness"];
-    base["baseColorTexture"]["index"] = 0;
-    base["metallicFactor"] = 0;
-    if (has_holes) {
-        material["alphaMode"] = "MASK";
-        material["alphaCutoff"] = least_coverage;
-    }
-    material["extensions"]["KHR_materials_unlit"] = Json::object();
-    json["textures"][0] = {{"sampler", 0}, {"source", 0}};
-    json["samplers"][0] = {{"magFilter", linear_filter},
-                           {"minFilter", linear_mipmaps},
-                           {"wrapS", clamp_to_edge},
-                           {"wrapT", clamp_to_edge}};
-    json["images"][0] = {{"bufferView", picture_view}, {"mimeType", mime}};
+bool has_layer(const Stage& stage, LayerRole role) {
+    return std::any_of(stage.layers.begin(), stage.layers.end(),
+                       [&](const OpenLayerFile& layer) { return layer.info.role == role; });
 }
 
-Status check_has_mesh(const std::string& input, std::span<const std::byte> bytes) {
+// Per triangle, whether it touches a pixel that does not hide what is behind it.
+std::vector<bool> blended_triangles(const SurfaceMesh& mesh, const MeanPicture& picture) {
+    const glm::dvec2 sides(picture.width, picture.height);
+    std::vector<bool> blended;
+    for (const auto& [a, b, c] : mesh.triangles) {
+        bool touches = false;
+        visit_covered_texels(
+            {glm::dvec2(mesh.uv[a]) * sides, glm::dvec2(mesh.uv[b]) * sides,
+             glm::dvec2(mesh.uv[c]) * sides},
+            {picture.width, picture.height}, [&](std::uint32_t u, std::uint32_t v) {
+                const std::size_t at = std::size_t{v} * picture.width + u;
+                touches |= std::to_integer<int>(picture.pixels[4 * at + 3]) < hiding_alpha;
+            });
+        blended.push_back(touches);
+    }
+    return blended;
+}
+
+// What one .tess file becomes, but for its bytes.
+struct Surface {
+    GltfMesh mesh{};
+    MeanPicture picture{};
+    bool has_holes = false;
+    std::vector<bool> blended{}; // per triangle; empty: none is
+    std::unique_ptr<ByteSource> bytes{};
+};
+
+Status check_has_mesh(const GlbInput& input) {
     std::unique_ptr<ByteSource> source;
-    if (!bytes.empty()) {
-        source = wrap_memory(bytes);
+    if (!input.bytes.empty()) {
+        source = wrap_memory(input.bytes);
     } else {
-        TESSERA_TRY_ASSIGN(source, open_tess_bytes(input, "convert"));
+        TESSERA_TRY_ASSIGN(source, open_tess_bytes(input.name, "convert"));
     }
     TESSERA_TRY_ASSIGN(const auto container, ContainerReader::open(*source));
     if (container.description().proxy == Proxy::mesh)
         return {};
-    return {ErrorCode::unsupported, input + ": does not lie on a mesh; " + needs_mesh};
+    return {ErrorCode::unsupported, input.name + ": does not lie on a mesh; " + needs_mesh};
 }
 
-} // namespace
-
-Result<GlbReport> write_glb(const std::string& input, std::span<const std::byte> bytes,
-                            const std::string& output, const GlbOptions& options) {
-    TESSERA_TRY(check_has_mesh(input, bytes));
+Result<Surface> open_surface(const GlbInput& input, const GlbOptions& options) {
     StageRequest request;
-    request.file = input;
-    request.bytes = bytes;
+    request.file = input.name;
+    request.bytes = input.bytes;
     RenderOptions drawing;
     drawing.threads = options.threads;
     drawing.progress = options.progress;
     TESSERA_TRY_ASSIGN(Stage stage, set_up_stage(request, drawing));
-    TESSERA_TRY_ASSIGN(const auto surface, mesh_surface(stage.decoder->container()));
-    const SurfaceMesh& mesh = surface->mesh;
-    TESSERA_TRY_ASSIGN(const MeanPicture picture, mean_picture(stage, mesh, options, drawing));
-    TESSERA_TRY_ASSIGN(const auto encoded, encode_mean(picture, options));
-    const bool is_jpeg = options.jpeg_quality && !picture.has_alpha;
-    GlbReport report{.picture = encoded.size(),
-                     .texture = stage.bytes->size(),
-                     .width = picture.width,
-                     .height = picture.height,
-                     .picture_kind = is_jpeg ? "JPEG" : "PNG"};
-    GlbFile glb;
-    Json primitive;
-    if (options.draco) {
-        TESSERA_TRY_ASSIGN(primitive, add_draco_mesh(glb, mesh));
-    } else {
-        primitive = add_plain_mesh(glb, mesh);
+    TESSERA_TRY_ASSIGN(const auto on_mesh, mesh_surface(stage.decoder->container()));
+    Surface surface{.mesh = {on_mesh->mesh, gltf_tangents(on_mesh->mesh)}};
+    TESSERA_TRY_ASSIGN(surface.picture, mean_picture(stage, on_mesh->mesh, options, drawing));
+    const bool blends = has_layer(stage, LayerRole::opacity);
+    if (surface.picture.has_alpha && blends)
+        surface.blended = blended_triangles(on_mesh->mesh, surface.picture);
+    surface.has_holes =
+        surface.picture.has_alpha && (!blends || has_layer(stage, LayerRole::coverage));
+    surface.bytes = std::move(stage.bytes);
+    return surface;
+}
+
+Json unlit_material(std::size_t texture, const std::string& alpha_mode) {
+    Json material;
+    Json& base = material["pbrMetallicRoughness"];
+    base["baseColorTexture"]["index"] = texture;
+    base["metallicFactor"] = 0;
+    if (!alpha_mode.empty())
+        material["alphaMode"] = alpha_mode;
+    if (alpha_mode == "MASK")
+        material["alphaCutoff"] = least_coverage;
+    material["extensions"]["KHR_materials_unlit"] = Json::object();
+    return material;
+}
+
+// Adds the triangles that blend, or those that do not, if there are any.
+Status add_part(GlbFile& glb, Json& primitives, const Surface& surface, bool blends,
+                std::size_t texture, MeshCompression compression) {
+    GltfMesh part;
+    if (!surface.blended.empty()) {
+        part = part_of(surface.mesh, surface.blended, blends);
+        if (part.mesh.triangles.empty())
+            return {};
+    } else if (blends) {
+        return {};
     }
-    const std::size_t picture_view = glb.add_view(encoded);
-    add_scene(glb, std::move(primitive), picture_view, is_jpeg ? "image/jpeg" : "image/png",
-              picture.has_alpha);
-    TESSERA_TRY_ASSIGN(report.file, glb.write(*stage.bytes, output));
-    for (const Json& view : glb.json["bufferViews"])
-        report.mesh += view["byteLength"].get<std::uint64_t>();
-    report.mesh -= report.picture + report.texture;
+    TESSERA_TRY_ASSIGN(
+        Json primitive,
+        add_primitive(glb, surface.blended.empty() ? surface.mesh : part, compression));
+    primitive["material"] = glb.add_material(unlit_material(texture, blends              ? "BLEND"
+                                                                     : surface.has_holes ? "MASK"
+                                                                                         : ""));
+    primitives.push_back(std::move(primitive));
+    return {};
+}
+
+// name: of the node and the mesh; empty: they have none.
+Status add_surface(GlbFile& glb, const Surface& surface, const std::string& name,
+                   const GlbOptions& options, GlbReport& report) {
+    const bool is_jpeg = options.jpeg_quality && !surface.picture.has_alpha;
+    TESSERA_TRY_ASSIGN(const auto encoded, encode_mean(surface.picture, is_jpeg, options));
+    const std::size_t texture = report.textures;
+    const std::uint64_t before = glb.chunk_bytes();
+    Json mesh = Json::object();
+    if (!name.empty())
+        mesh["name"] = name;
+    Json& primitives = mesh["primitives"];
+    for (const bool blends : {false, true})
+        TESSERA_TRY(add_part(glb, primitives, surface, blends, texture, options.mesh));
+    report.mesh += glb.chunk_bytes() - before;
+    Json& json = glb.json;
+    json["images"].push_back({{"bufferView", glb.add_view(encoded)},
+                              {"mimeType", is_jpeg ? "image/jpeg" : "image/png"}});
+    glb.add_texture({{"sampler", 0}, {"source", texture}}, *surface.bytes);
+    Json node = {{"mesh", texture}};
+    if (!name.empty())
+        node["name"] = name;
+    json["meshes"].push_back(std::move(mesh));
+    json["scenes"][0]["nodes"].push_back(texture);
+    json["nodes"].push_back(std::move(node));
+    ++report.textures;
+    report.picture += encoded.size();
+    report.texture += surface.bytes->size();
+    report.width = surface.picture.width;
+    report.height = surface.picture.height;
+    report.picture_kind = is_jpeg ? "JPEG" : "PNG";
+    return {};
+}
+
+} // namespace
+
+Result<GlbReport> write_glb(std::span<const GlbInput> inputs, const std::string& output,
+                            const GlbOptions& options) {
+    for (const GlbInput& input : inputs)
+        TESSERA_TRY(check_has_mesh(input));
+    GlbFile glb;
+    glb.json["scene"] = 0;
+    glb.json["samplers"][0] = {{"magFilter", linear_filter},
+                               {"minFilter", linear_mipmaps},
+                               {"wrapS", clamp_to_edge},
+                               {"wrapT", clamp_to_edge}};
+    GlbReport report;
+    std::vector<std::unique_ptr<ByteSource>> files;
+    for (const GlbInput& input : inputs) {
+        TESSERA_TRY_ASSIGN(Surface surface, open_surface(input, options));
+        const std::string name = inputs.size() > 1 ? to_path(input.name).stem().string() : "";
+        TESSERA_TRY(add_surface(glb, surface, name, options, report));
+        files.push_back(std::move(surface.bytes));
+    }
+    TESSERA_TRY_ASSIGN(report.file, glb.write(output));
     return report;
 }
 
 std::string to_string(const GlbReport& r) {
+    const std::string many = std::to_string(r.textures);
+    if (r.textures != 1)
+        return human_bytes(r.file) + ": " + many + " meshes " + human_bytes(r.mesh) + ", " + many +
+               " pictures " + human_bytes(r.picture) + ", " + many + " textures " +
+               human_bytes(r.texture);
     return human_bytes(r.file) + ": mesh " + human_bytes(r.mesh) + ", " + r.picture_kind + " of " +
            std::to_string(r.width) + "x" + std::to_string(r.height) + " " + human_bytes(r.picture) +
            ", texture " + human_bytes(r.texture);
 }
 
 Json to_json(const GlbReport& r) {
-    return {{"bytes", r.file},
-            {"mesh_bytes", r.mesh},
-            {"picture", r.picture_kind},
-            {"picture_size", std::to_string(r.width) + "x" + std::to_string(r.height)},
-            {"picture_bytes", r.picture},
-            {"texture_bytes", r.texture}};
+    Json json = {{"bytes", r.file}, {"mesh_bytes", r.mesh}};
+    if (r.textures == 1) {
+        json["picture"] = r.picture_kind;
+        json["picture_size"] = std::to_string(r.width) + "x" + std::to_string(r.height);
+    } else {
+        json["textures"] = r.textures;
+    }
+    json["picture_bytes"] = r.picture;
+    json["texture_bytes"] = r.texture;
+    return json;
 }
 
 } // namespace tessera

@@ -1,11 +1,13 @@
 #include "tools/http/glb_payload.h"
 
+#include "format/output_file.h"
 #include "tools/support/json_text.h"
+#include "tools/support/output_folders.h"
+#include "tools/support/url.h"
 
 #include <algorithm>
 #include <array>
-#include <optional>
-#include <string>
+#include <filesystem>
 
 namespace tessera {
 namespace {
@@ -153,32 +155,22 @@ Status check_materials(const Json& gltf) {
     return {};
 }
 
-// The only texture with the extension, and its place.
-Result<std::pair<const Json*, std::string>> find_extension(const Json& gltf) {
+// The objects of the extension, each with its place.
+Result<std::vector<std::pair<const Json*, std::string>>> find_extensions(const Json& gltf) {
     TESSERA_TRY_ASSIGN(const Json* textures, list_of(gltf, "textures"));
-    const Json* found = nullptr;
-    std::string where;
+    std::vector<std::pair<const Json*, std::string>> found;
     for (std::size_t i = 0; i < textures->size(); ++i) {
         const Json& extension = member(member((*textures)[i], "extensions"), glb_extension);
-        if (extension.is_null())
-            continue;
-        if (found != nullptr)
-            return Status(ErrorCode::unsupported,
-                          where + " and textures[" + std::to_string(i) + "] both have " +
-                              glb_extension + "; files with one Tessera texture can be read");
-        found = &extension;
-        where = "textures[" + std::to_string(i) + "]";
+        if (!extension.is_null())
+            found.emplace_back(&extension, "textures[" + std::to_string(i) + "]: " + glb_extension);
     }
-    if (found == nullptr)
+    if (found.empty())
         return Status(ErrorCode::bad_argument, "is a binary glTF model without a Tessera texture; "
                                                "tessera bake makes one of it");
-    return std::pair(found, where + ": " + glb_extension);
+    return found;
 }
 
-Result<GlbPayload> payload_in(const OpenGlb& glb, std::uint64_t file_bytes) {
-    TESSERA_TRY_ASSIGN(const auto found, find_extension(glb.json));
-    const auto& [extension, where] = found;
-    TESSERA_TRY(check_materials(glb.json));
+Result<GlbPayload> payload_of(const OpenGlb& glb, const Json* extension, const std::string& where) {
     const Json& mime = member(*extension, "mimeType");
     if (mime.is_string() && mime.get<std::string>() != tess_mime_type)
         return Status(ErrorCode::unsupported,
@@ -200,28 +192,78 @@ Result<GlbPayload> payload_in(const OpenGlb& glb, std::uint64_t file_bytes) {
         return invalid_glb(view_name + " covers the bytes " + std::to_string(begin) + " to " +
                            std::to_string(begin) + " + " + std::to_string(length) +
                            ", but its buffer has " + std::to_string(held));
-    const std::uint64_t offset = glb.bin_offset + begin;
-    if (offset >= file_bytes)
-        return invalid_glb("the file ends before the Tessera texture");
-    return GlbPayload{offset, length};
+    return GlbPayload{glb.bin_offset + begin, length};
+}
+
+Result<std::vector<GlbPayload>> payloads_in(const OpenGlb& glb) {
+    TESSERA_TRY_ASSIGN(const auto found, find_extensions(glb.json));
+    TESSERA_TRY(check_materials(glb.json));
+    std::vector<GlbPayload> payloads;
+    for (const auto& [extension, where] : found) {
+        TESSERA_TRY_ASSIGN(payloads.emplace_back(), payload_of(glb, extension, where));
+    }
+    return payloads;
+}
+
+bool is_number(const std::string& text) {
+    constexpr std::size_t most_digits = 9;
+    return !text.empty() && text.size() <= most_digits &&
+           text.find_first_not_of("0123456789") == std::string::npos;
+}
+
+Result<GlbPayload> chosen(const std::vector<GlbPayload>& payloads,
+                          std::optional<std::size_t> texture, const std::string& name) {
+    const std::size_t count = payloads.size();
+    if (!texture && count > 1)
+        return Status(ErrorCode::bad_argument, name + ": has " + std::to_string(count) +
+                                                   " Tessera textures; name one of them, " + name +
+                                                   "#0 to #" + std::to_string(count - 1));
+    if (texture.value_or(0) >= count)
+        return Status(ErrorCode::bad_argument, name + "#" + std::to_string(*texture) +
+                                                   ": there is no such texture; the first of " +
+                                                   std::to_string(count) + " is #0");
+    return payloads[texture.value_or(0)];
 }
 
 } // namespace
 
-Result<GlbPayload> find_glb_payload(ByteSource& file) {
+GlbName split_glb_name(const std::string& name) {
+    const std::size_t hash = name.rfind('#');
+    std::error_code ignored;
+    if (hash == std::string::npos || !is_number(name.substr(hash + 1)) ||
+        !without_query(name.substr(0, hash)).ends_with(".glb") ||
+        (!is_url(name) && std::filesystem::exists(to_path(name), ignored)))
+        return {name, {}};
+    return {name.substr(0, hash), std::stoul(name.substr(hash + 1))};
+}
+
+Result<std::vector<GlbPayload>> find_glb_payloads(ByteSource& file) {
     auto glb = read_glb(file);
     if (!glb.ok())
         return std::move(glb).status().with_context(file.name());
-    return payload_in(*glb, file.size()).with_context(file.name());
+    return payloads_in(*glb).with_context(file.name());
 }
 
-Result<std::unique_ptr<ByteSource>> unpack_glb(std::unique_ptr<ByteSource> file) {
-    if (file->size() < 4)
+bool is_glb(ByteSource& file) {
+    if (file.size() < 4)
+        return false;
+    const auto magic = read_words<1>(file, 0);
+    return magic.ok() && (*magic)[0] == glb_magic; // a failure repeats for whoever reads `file`
+}
+
+Result<std::unique_ptr<ByteSource>> unpack_glb(std::unique_ptr<ByteSource> file,
+                                               std::optional<std::size_t> texture) {
+    if (!is_glb(*file)) {
+        if (texture)
+            return Status(ErrorCode::bad_argument, file->name() + ": is no .glb, so that #" +
+                                                       std::to_string(*texture) +
+                                                       " names nothing in it");
         return file;
-    const auto magic = read_words<1>(*file, 0);
-    if (!magic.ok() || (*magic)[0] != glb_magic) // a failure repeats for whoever reads `file`
-        return file;
-    TESSERA_TRY_ASSIGN(GlbPayload payload, find_glb_payload(*file));
+    }
+    TESSERA_TRY_ASSIGN(const auto payloads, find_glb_payloads(*file));
+    TESSERA_TRY_ASSIGN(GlbPayload payload, chosen(payloads, texture, file->name()));
+    if (payload.offset >= file->size())
+        return invalid_glb("the file ends before the Tessera texture").with_context(file->name());
     // Of a file that is cut short, what is there.
     payload.length = std::min(payload.length, file->size() - payload.offset);
     return std::unique_ptr<ByteSource>(std::make_unique<PartOfFile>(std::move(file), payload));

@@ -1,6 +1,7 @@
 #include "tools/http/open_bytes.h"
 
 #include "tools/support/network_limits.h"
+#include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/standard_streams.h"
@@ -50,8 +51,19 @@ Result<std::unique_ptr<ByteSource>> open_whole(const std::string& name) {
 } // namespace
 
 Result<std::unique_ptr<ByteSource>> open_bytes(const std::string& name) {
-    TESSERA_TRY_ASSIGN(auto whole, open_whole(name));
-    return unpack_glb(std::move(whole));
+    const GlbName split = split_glb_name(name);
+    TESSERA_TRY_ASSIGN(auto whole, open_whole(split.file));
+    return unpack_glb(std::move(whole), split.texture);
+}
+
+Result<std::size_t> texture_count(const std::string& name) {
+    if (split_glb_name(name).texture || !is_glb_name(name))
+        return 1;
+    TESSERA_TRY_ASSIGN(const auto whole, open_whole(name));
+    if (!is_glb(*whole))
+        return 1;
+    TESSERA_TRY_ASSIGN(const auto payloads, find_glb_payloads(*whole));
+    return payloads.size();
 }
 
 std::optional<Traffic> network_traffic([[maybe_unused]] const ByteSource& source) {

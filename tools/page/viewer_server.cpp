@@ -24,8 +24,9 @@ using Bytes = std::vector<std::byte>;
 constexpr std::size_t most_kept_view_data = std::size_t{64} << 20; // bytes
 
 Result<Bytes> view_data_of(const std::string& path) {
-    TESSERA_TRY_ASSIGN(auto file, open_file(path));
-    TESSERA_TRY_ASSIGN(const auto source, unpack_glb(std::move(file)));
+    const GlbName split = split_glb_name(path);
+    TESSERA_TRY_ASSIGN(auto file, open_file(split.file));
+    TESSERA_TRY_ASSIGN(const auto source, unpack_glb(std::move(file), split.texture));
     TESSERA_TRY_ASSIGN(const auto container, ContainerReader::open(*source));
     return make_view_data(*source, container);
 }
@@ -35,7 +36,7 @@ Result<Bytes> view_data_of(const std::string& path) {
 class KeptViewData {
 public:
     Result<Bytes> of(const std::string& path) {
-        const auto version = version_of(path);
+        const auto version = version_of(split_glb_name(path).file);
         const std::string key = (version ? version->etag : "") + path;
         const std::lock_guard lock(mutex_);
         for (const auto& [name, data] : kept_)

@@ -122,8 +122,8 @@ void answer_file(const fs::path& path, const httplib::Request& request,
 }
 
 void answer_view_data(const FileServerOptions& options, const fs::path& path,
-                      httplib::Response& response) {
-    const auto data = options.view_data(path.string());
+                      const std::string& texture, httplib::Response& response) {
+    const auto data = options.view_data(path.string() + (texture.empty() ? "" : "#" + texture));
     response.status = data.ok() ? 200 : 404;
     if (data.ok())
         response.set_content(reinterpret_cast<const char*>(data->data()), data->size(),
@@ -157,7 +157,7 @@ void answer(const FileServerOptions& options, const fs::path& root, const httpli
             const httplib::Ranges& ranges, httplib::Response& response) {
     const auto path = find_allowed(options, root, request.path);
     if (path && options.view_data && request.has_param("view") && version_of(*path))
-        return answer_view_data(options, *path, response);
+        return answer_view_data(options, *path, request.get_param_value("view"), response);
     if (path && !fs::is_directory(*path))
         return answer_file(*path, request, ranges, response);
     if (path && options.viewer_part && request.has_param("viewer"))

@@ -221,7 +221,7 @@ TextureKind kind_of(const std::string& path) {
                                                                            : TextureKind::unknown;
     if (!to_path(path).has_filename() || fs::is_directory(to_path(path), ignored))
         return TextureKind::views;
-    const std::string ending = to_path(path).extension().string();
+    const std::string ending = to_path(split_glb_name(path).file).extension().string();
     if (ending == ".tess" || ending == ".glb")
         return TextureKind::tess;
     if (ending == ".exr")

@@ -164,7 +164,8 @@ Status check_has_glb_mesh(const BakeCommand& a) {
 }
 
 Result<GlbReport> write_baked_glb(const BakeCommand& a, std::span<const std::byte> tess) {
-    return write_glb_output(a.output, tess, a.output, a.glb,
+    const GlbInput input{a.output, tess};
+    return write_glb_output({&input, 1}, a.output, a.glb,
                             {.verb = "tessera bake",
                              .threads = a.texture.threads,
                              .quiet = a.texture.quiet || a.encode.json});

@@ -16,7 +16,8 @@ namespace tessera {
 namespace {
 
 struct ConvertCommand {
-    std::string input, output;
+    std::vector<std::string> inputs;
+    std::string output;
     GlbArguments glb;
     TextureArguments texture; // threads and quiet
     bool json = false;
@@ -24,7 +25,7 @@ struct ConvertCommand {
 
 // Writes the bytes of the .tess file as they are.
 Status extract_tess(const ConvertCommand& a) {
-    TESSERA_TRY_ASSIGN(const auto from, open_tess_bytes(a.input, "convert"));
+    TESSERA_TRY_ASSIGN(const auto from, open_tess_bytes(a.inputs.front(), "convert"));
     TESSERA_TRY(ContainerReader::open(*from).status()); // refuses what is not a complete file
     TESSERA_TRY(make_parent_folders(a.output));
     TESSERA_TRY_ASSIGN(OutputFile file, OutputFile::create(a.output));
@@ -38,9 +39,12 @@ Status extract_tess(const ConvertCommand& a) {
 }
 
 Status make_glb(const ConvertCommand& a) {
+    std::vector<GlbInput> inputs;
+    for (const std::string& name : a.inputs)
+        inputs.push_back({.name = name});
     TESSERA_TRY_ASSIGN(
         const GlbReport report,
-        write_glb_output(a.input, {}, a.output, a.glb,
+        write_glb_output(inputs, a.output, a.glb,
                          {.threads = a.texture.threads, .quiet = a.texture.quiet || a.json}));
     if (a.json) {
         Json json = {{"output", a.output}};
@@ -58,6 +62,9 @@ Status run(const ConvertCommand& a) {
     if (!to_glb && kind_of(a.output) != TextureKind::tess)
         return {ErrorCode::bad_argument,
                 a.output + ": convert writes .glb and .tess; decode writes other kinds"};
+    if (!to_glb && a.inputs.size() > 1)
+        return {ErrorCode::bad_argument,
+                a.output + ": a .tess has one input; several become a .glb"};
     TESSERA_TRY(check_output_path(a.output));
     return to_glb ? make_glb(a) : extract_tess(a);
 }
@@ -66,8 +73,9 @@ Status run(const ConvertCommand& a) {
 
 void add_convert_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, ConvertCommand& a) {
-        c.add_option("input", a.input,
-                     "A .tess, or a .glb that holds one; also its URL (http, https)")
+        c.add_option("input", a.inputs,
+                     "A .tess, or a .glb that holds one; also its URL (http, https). Several "
+                     "become one .glb, each with a node of its own")
             ->required();
         c.add_option("-o,--output", a.output, ".glb, or .tess to get back the file in a .glb")
             ->required();
@@ -83,8 +91,10 @@ void add_convert_command(CLI::App& app, Invocation& chosen) {
         "Babylon.js show the texture itself. All verbs that read a .tess read such a .glb.\n\n"
         "Examples:\n"
         "  tessera convert bunny.tess -o bunny.glb\n"
-        "  tessera convert bunny.tess -o small.glb --draco --jpeg 85 --picture-side 512\n"
-        "  tessera convert bunny.glb -o bunny.tess",
+        "  tessera convert bunny.tess -o small.glb --mesh-compression draco --jpeg 85\n"
+        "  tessera convert bunny.tess floor.tess -o scene.glb\n"
+        "  tessera convert bunny.glb -o bunny.tess\n"
+        "  tessera convert scene.glb#1 -o floor.tess",
         declare, run);
 }
 

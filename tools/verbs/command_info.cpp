@@ -264,7 +264,30 @@ Result<Json> describe_other(const InfoCommand& a) {
     return json;
 }
 
+// Describes each texture of a .glb under a name of its own.
+Status describe_several(InfoCommand a, std::size_t count) {
+    Json textures = Json::array();
+    const std::string file = a.input;
+    for (std::size_t i = 0; i < count; ++i) {
+        a.input = file + "#" + std::to_string(i);
+        TESSERA_TRY_ASSIGN(textures.emplace_back(), describe_tess(a));
+    }
+    if (a.json) {
+        print_json({{"file", file}, {"textures", std::move(textures)}});
+        return {};
+    }
+    for (const Json& json : textures) {
+        if (&json != &textures.front())
+            std::printf("\n");
+        print_for_people(for_people(json, metadata_of(json)), "");
+    }
+    return {};
+}
+
 Status run(const InfoCommand& a) {
+    TESSERA_TRY_ASSIGN(const std::size_t count, texture_count(a.input));
+    if (count > 1)
+        return describe_several(a, count);
     TESSERA_TRY_ASSIGN(const auto json, kind_of_input(a.input) == TextureKind::tess
                                             ? describe_tess(a)
                                             : describe_other(a));
@@ -279,7 +302,10 @@ Status run(const InfoCommand& a) {
 
 void add_info_command(CLI::App& app, Invocation& chosen) {
     const auto declare = [](CLI::App& c, InfoCommand& a) {
-        c.add_option("file", a.input, "Any texture, the URL of a .tess, or - for standard input")
+        c.add_option(
+             "file", a.input,
+             "Any texture, the URL of a .tess, or - for standard input. Of a .glb with several "
+             "textures, scene.glb#1 is the second")
             ->required();
         c.add_flag("--allow-partial", a.texture.decode.allow_partial,
                    "Accept the beginning of a .tess, such as a broken download");

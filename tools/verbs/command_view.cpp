@@ -143,15 +143,17 @@ Status serve_page(const ViewCommand& a) {
     TESSERA_TRY(Decoder::open(*file).status());
     // Serves only this file, also if the name is a link to it: any page in the browser can send
     // requests to this server.
+    const GlbName glb = split_glb_name(a.file);
     std::error_code error;
-    const std::filesystem::path path = std::filesystem::canonical(to_path(a.file), error);
+    const std::filesystem::path path = std::filesystem::canonical(to_path(glb.file), error);
     if (error)
         return {ErrorCode::io, a.file + ": " + error.message()};
     FileServerOptions options = folder_with_viewer(path.parent_path().string());
     options.only = path.filename().string();
     options.port = a.port;
     TESSERA_TRY_ASSIGN(const auto server, FileServer::start(options));
-    const std::string url = server->url() + "?f=" + percent_encoded(path.filename().string());
+    const std::string url = server->url() + "?f=" + percent_encoded(path.filename().string()) +
+                            (glb.texture ? "&texture=" + std::to_string(*glb.texture) : "");
     std::printf("%s\n", url.c_str());
     std::fflush(stdout);
     if (!a.no_open)

@@ -8,7 +8,10 @@ namespace tessera {
 
 void add_glb_options(CLI::App& app, GlbArguments& a) {
     OptionGroup group(app, "glTF outputs (.glb)");
-    group.flag("--draco", a.draco, "Compress the mesh by KHR_draco_mesh_compression");
+    group.option("--mesh-compression", "KIND", a.mesh_compression,
+                 "Compress meshes: draco (KHR_draco_mesh_compression), or meshopt "
+                 "(EXT_meshopt_compression), which readers decode faster. Default: none",
+                 one_of({"none", "draco", "meshopt"}));
     group.option(
         "--jpeg", "1..100", a.jpeg_quality,
         "Store the picture that other viewers show as a JPEG of this quality. Default: PNG",
@@ -19,7 +22,8 @@ void add_glb_options(CLI::App& app, GlbArguments& a) {
 
 Status check_glb_options(const GlbArguments& a, const std::string& output) {
     for (const auto& [option, given] :
-         {std::pair("--draco", a.draco), std::pair("--jpeg", a.jpeg_quality.has_value()),
+         {std::pair("--mesh-compression", a.mesh_compression.has_value()),
+          std::pair("--jpeg", a.jpeg_quality.has_value()),
           std::pair("--picture-side", a.picture_side.has_value())})
         if (given && !is_glb_name(output))
             return {ErrorCode::bad_argument,
@@ -27,16 +31,16 @@ Status check_glb_options(const GlbArguments& a, const std::string& output) {
     return {};
 }
 
-Result<GlbReport> write_glb_output(const std::string& input, std::span<const std::byte> bytes,
-                                   const std::string& output, const GlbArguments& a,
-                                   const GlbRun& run) {
+Result<GlbReport> write_glb_output(std::span<const GlbInput> inputs, const std::string& output,
+                                   const GlbArguments& a, const GlbRun& run) {
     Progress progress(run.verb, run.quiet);
-    GlbOptions options{.draco = a.draco,
+    GlbOptions options{.mesh = parse_value<MeshCompression>(a.mesh_compression.value_or("none"))
+                                   .value_or(MeshCompression::none),
                        .jpeg_quality = a.jpeg_quality,
                        .threads = run.threads,
                        .progress = progress.function()};
     options.picture_side = a.picture_side.value_or(options.picture_side);
-    return write_glb(input, bytes, output, options);
+    return write_glb(inputs, output, options);
 }
 
 } // namespace tessera

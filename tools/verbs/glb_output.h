@@ -10,7 +10,7 @@
 namespace tessera {
 
 struct GlbArguments {
-    bool draco = false;
+    std::optional<std::string> mesh_compression; // a name of MeshCompression
     std::optional<int> jpeg_quality;
     std::optional<std::uint32_t> picture_side; // pixels
 };
@@ -28,8 +28,7 @@ struct GlbRun {
 };
 
 // write_glb() with these arguments, and with progress on a terminal. Errors: those of write_glb().
-Result<GlbReport> write_glb_output(const std::string& input, std::span<const std::byte> bytes,
-                                   const std::string& output, const GlbArguments& arguments,
-                                   const GlbRun& run);
+Result<GlbReport> write_glb_output(std::span<const GlbInput> inputs, const std::string& output,
+                                   const GlbArguments& arguments, const GlbRun& run);
 
 } // namespace tessera

@@ -52,11 +52,11 @@ class Codec {
     }
 
     // bytes: a .tess file, or a .glb that holds one. options: {partial: accept a truncated file, damaged: replace
-    // damaged tiles}
+    // damaged tiles, texture: which one of a .glb with several, counted from 0}
     openBytes(bytes, options = {}) {
         bytes = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
         if (isGlb(bytes)) {
-            const {begin, size} = placeInGlb(bytes.subarray(20, 20 + glbJsonBytes(bytes)), bytes.length);
+            const {begin, size} = placeInGlb(bytes.subarray(20, 20 + glbJsonBytes(bytes)), bytes.length, options.texture);
             bytes = bytes.subarray(begin, begin + size);
         }
         const file = new TessFile(this.module, bytes.length, null);
@@ -74,16 +74,16 @@ class Codec {
 
     // Opens the .tess file, or the .glb that holds one, at a URL with range requests.
     async openUrl(url, options = {}) {
-        return this.openSource(await glbPayload(await httpSource(url, options)), options);
+        return this.openSource(await glbPayload(await httpSource(url, options), options.texture), options);
     }
 }
 
-// The .tess file in a source that is a .glb; any other source itself.
-export async function glbPayload(source) {
+// The .tess file in a source that is a .glb; any other source itself. texture: which one of several, counted from 0.
+export async function glbPayload(source, texture) {
     const head = new Uint8Array(await source.read(0, Math.min(20, source.size)));
     if (!isGlb(head))
         return source;
-    const {begin, size} = placeInGlb(new Uint8Array(await source.read(20, glbJsonBytes(head))), source.size);
+    const {begin, size} = placeInGlb(new Uint8Array(await source.read(20, glbJsonBytes(head))), source.size, texture);
     return {size, read: (offset, length) => source.read(begin + offset, length)};
 }
 
@@ -91,12 +91,15 @@ const wordAt = (bytes, offset) => new DataView(bytes.buffer, bytes.byteOffset).g
 const isGlb = bytes => bytes.length >= 20 && wordAt(bytes, 0) === 0x46546C67;
 const glbJsonBytes = head => wordAt(head, 12);
 
-// json: the bytes of the first chunk; length: of the whole file.
-function placeInGlb(json, length) {
+// json: the bytes of the first chunk; length: of the whole file; number: of the texture, absent if there is only one.
+function placeInGlb(json, length, number) {
     const gltf = JSON.parse(new TextDecoder().decode(json));
-    const texture = gltf.textures?.find(({extensions}) => extensions?.[GLB_EXTENSION]);
-    if (!texture)
+    const textures = (gltf.textures ?? []).filter(({extensions}) => extensions?.[GLB_EXTENSION]), {length: count} = textures;
+    if (!count)
         throw new Error('the glTF file has no Tessera texture');
+    if (number === undefined ? count > 1 : !textures[Number(number)])
+        throw new Error(`the glTF file has ${count} Tessera textures: choose one by its number, 0 to ${count - 1}`);
+    const texture = textures[Number(number ?? 0)];
     const view = gltf.bufferViews?.[texture.extensions[GLB_EXTENSION].bufferView];
     const begin = 28 + json.length + (view?.byteOffset ?? 0), size = view?.byteLength;
     if (view?.buffer !== 0 || !(size >= 0 && begin >= 28 + json.length && begin + size <= length))

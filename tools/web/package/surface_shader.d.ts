@@ -13,11 +13,15 @@ export interface Surface {
         columns: number;
         srgb: boolean;
         scale: number;
+        /** How many mips withMips() may add. */
+        mips: number;
         /** RGBA, 8 bits a sample or, if `half`, half floats. */
         picture: {width: number; height: number; half: boolean; pixels: Uint8Array | Uint16Array};
     }[];
     /** Two RGBA pixels of 32-bit floats for each light; `count` is a multiple of four. */
     lights: {count: number; pixels?: Float32Array};
+    /** With mips: the charts of the atlases, for the sampler `charts`. */
+    charts?: {width: number; height: number; pixels: Uint8Array};
 }
 
 /**
@@ -34,5 +38,10 @@ export function attributesOf(surface: Surface): ('normal' | 'uv' | 'tangent')[];
  * the matrix from there to the screen. `uniforms` declares what they use.
  */
 export function vertexShader(names: {uniforms: string; eye: string; project: string}): string;
-/** GLSL ES 3.00 with one sampler per layer and, if there are lights, the sampler `lights`. */
-export function fragmentShader(surface: Surface): string;
+/** Whether the surface has a layer of opacity. */
+export function isTranslucent(surface: Surface): boolean;
+/**
+ * GLSL ES 3.00 with one sampler per layer, the sampler `lights` if there are lights, and `charts` with mips. `blends`: alpha is the layer
+ * of opacity, by which the colours are not multiplied; else alpha is 1.
+ */
+export function fragmentShader(surface: Surface, blends?: boolean): string;

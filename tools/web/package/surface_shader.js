@@ -1,17 +1,18 @@
 // The shader of a mesh with a Tessera texture or with layers (FORMAT.md 5.2 and 5.6), in GLSL ES 3.00 for any engine
-// on WebGL2. Each texture becomes a picture whose S x T views, U x V pixels each, lie next to each other. Mips are not
-// used. The GLSL in sampling.js is generated from the shaders of the GPU decoder.
+// on WebGL2. Each texture becomes a picture whose S x T views, U x V pixels each, lie next to each other; mips.js adds
+// mips. The GLSL in sampling.js is generated from the shaders of the GPU decoder.
+import {cellOf, mipCount} from './mip_layout.js';
 import {sampling} from './sampling.js';
 import {ANGULAR_MAP, LAYER_ROLE, PROXY, SAMPLE_TYPE, SURFACE_MAP, TRANSFER} from './tessera.js';
 
-const usualSide = 16384; // the longest side of a texture on most devices, in pixels; some allow only 8192
+export const usualSide = 16384; // the longest side of a texture on most devices, in pixels; some allow only 8192
 const single = 'texture';
 const drawnRoles = ['diffuse', 'emission', 'specular', 'roughness', 'normal', 'visibility', 'reflection', 'coverage',
-                    'environment', 'difference', 'sharedDifference']; // keys of LAYER_ROLE
+                    'environment', 'difference', 'sharedDifference', 'opacity']; // keys of LAYER_ROLE
 
-// The texture of an open file as {angularMap, layers, lights}. `layers` has {name, size, columns, srgb, scale, picture}
-// for each layer, in which `picture` is {width, height, half, pixels} with RGBA pixels: numbers of 8 bits or, if
-// `half`, half floats. `lights` is {count, pixels}: two RGBA pixels of 32-bit floats a row. Throws if the file is
+// The texture of an open file as {angularMap, layers, lights}. `layers` has {name, size, columns, srgb, scale, mips,
+// picture} for each layer, in which `mips` is how many withMips() may add, and `picture` is {width, height, half, pixels}
+// with RGBA pixels: numbers of 8 bits or, if `half`, half floats. `lights` is {count, pixels}: two RGBA pixels of 32-bit floats a row. Throws if the file is
 // damaged, does not lie on a mesh, or needs a picture with a side above `longestSide`, the limit of the device.
 export function readSurface(file, longestSide = usualSide) {
     const {info} = file;
@@ -53,8 +54,8 @@ export function attributesOf({angularMap, layers}) {
 }
 
 // read() returns {half, value}, and value(u, v, s, t, c) is channel c of a texel.
-function layerOf(name, {size, transfer}, scale, longestSide, read) {
-    const [U, V, S, T] = size, views = S * T;
+function layerOf(name, info, scale, longestSide, read) {
+    const {size, transfer} = info, [U, V, S, T] = size, views = S * T;
     const columns = Math.max(1, Math.min(views, Math.round(Math.sqrt(views * V / U)) || 1));
     const width = columns * U, height = Math.ceil(views / columns) * V;
     if (width > longestSide || height > longestSide)
@@ -69,7 +70,8 @@ function layerOf(name, {size, transfer}, scale, longestSide, read) {
                     for (let c = 0; c < 4; ++c, ++at)
                         pixels[at] = value(u, v, s, t, c);
         }
-    return {name, size, columns, srgb: transfer === TRANSFER.srgb, scale, picture: {width, height, half, pixels}};
+    return {name, size, columns, srgb: transfer === TRANSFER.srgb, scale, mips: mipCount(info),
+            picture: {width, height, half, pixels}};
 }
 
 // The samples as they are stored; channels that the texture does not have are 0.
@@ -118,19 +120,86 @@ void main() {
 }`;
 }
 
+// Places in an atlas and its mips, as in viewer/atlas.glsl.
+const mipSource = `uniform sampler2D charts; // red and green: the chart of each texel; the atlases are below each other
+ivec2 mipSize(ivec2 whole, int mip) {
+    return (whole + (1 << mip) - 1) >> mip;
+}
+ivec2 mipBegin(ivec2 whole, int mip) {
+    ivec2 begin = ivec2(whole.x, 0);
+    for (int above = 1; above < mip; ++above)
+        begin.y += mipSize(whole, above).y;
+    return begin;
+}
+vec2 chartAt(int row, ivec2 texel) {
+    return texelFetch(charts, texel + ivec2(0, row), 0).rg;
+}
+vec4 sharesOf(vec2 weight) {
+    vec2 other = 1.0 - weight;
+    return vec4(other.x * other.y, weight.x * other.y, other.x * weight.y, weight.x * weight.y);
+}
+Places placesIn(ivec2 whole, int mips, int row, vec2 footprint) {
+    vec2 texels = footprint * vec2(whole);
+    float covered = max(min(texels.x, texels.y) * 0.70710678, max(texels.x, texels.y) / 4.0);
+    float mip = covered > 1.0 ? min(log2(covered), float(mips)) : 0.0;
+    int first = int(mip);
+    float second = mip - float(first);
+    Places places;
+    places.count = mip > 0.0 ? second > 0.0 ? 2 : 1 : 0;
+    vec2 place = clamp(surfacePlace, 0.0, 1.0) * vec2(whole);
+    vec2 own = chartAt(row, min(ivec2(place), whole - 1));
+    for (int i = 0; i < places.count; ++i) {
+        TsrSurfaceFootprint f = tsr_atlas_footprint(surfacePlace, whole);
+        ivec2 begin = ivec2(0);
+        vec4 share = sharesOf(f.weight);
+        if (first + i > 0) {
+            ivec2 sides = mipSize(whole, first + i), start = mipBegin(whole, first + i);
+            TsrSurfaceFootprint g = tsr_atlas_footprint(place / float(1 << (first + i)) / vec2(sides), sides);
+            vec4 same = sharesOf(g.weight) *
+                vec4(chartAt(row, start + g.low) == own, chartAt(row, start + ivec2(g.high.x, g.low.y)) == own,
+                     chartAt(row, start + ivec2(g.low.x, g.high.y)) == own, chartAt(row, start + g.high) == own);
+            float sum = same.x + same.y + same.z + same.w;
+            if (own != vec2(0.0) && sum > 0.0) {
+                f = g;
+                begin = start;
+                share = same / sum;
+            }
+        }
+        places.low[i] = begin + f.low;
+        places.high[i] = begin + f.high;
+        places.share[i] = share * (i == 0 ? 1.0 - second : second);
+    }
+    return places;
+}`;
+
 const number = x => Number.isInteger(x) ? `${x}.0` : `${x}`;
 
-// The uniforms are one sampler per layer, `NAMELayer`, and the sampler `lights` if there are lights.
-export function fragmentShader({angularMap, layers, lights}) {
+// Whether the layer of opacity lets something behind the surface be seen.
+export function isTranslucent({layers}) {
+    return layers.some(({name}) => name === 'opacity');
+}
+
+// The uniforms are one sampler per layer, `NAMELayer`, the sampler `lights` if there are lights, and `charts` if there
+// are mips. blends: alpha is the opacity, else 1. Colours are not multiplied by it.
+export function fragmentShader({angularMap, layers, lights, atlases = []}, blends = false) {
     const by = Object.fromEntries(layers.map(layer => [layer.name, layer]));
     // A layer of one view, of one of several, and of the direction mirrored about frame.z.
-    const place = ({name, size, columns}) => `${name}Layer, ivec2(${size[0]}, ${size[1]}), ${columns}`;
+    const place = ({name, size, columns, atlas, mips}) => {
+        const {width, height} = cellOf(size, atlas === undefined ? 0 : mips);
+        return `${name}Layer, View(ivec2(${size[0]}, ${size[1]}), ivec2(${width}, ${height}), ${columns}), ` +
+            (atlas === undefined || name === 'coverage' ? 'inAtlas' : `places${atlas}`);
+    };
     const at = (name, view = '0') => `viewAt(${place(by[name])}, surfacePlace, ${view})`;
     const turned = (name, uv = 'surfacePlace', map = ANGULAR_MAP.octahedralMirrored) =>
         `directionAt(${place(by[name])}, ivec2(${by[name].size[2]}, ${by[name].size[3]}), ${map}, ${uv}, frame, d)`;
     const light = (name, value) =>
         `${number(by[name].scale)} * ${by[name].srgb ? 'linear' : ''}(${value}.rgb)`;
-    const lines = [];
+    const lines = ['Places inAtlas;', 'inAtlas.count = 0;'];
+    if (atlases.length)
+        lines.push('vec2 across = dFdx(surfacePlace), down = dFdy(surfacePlace);',
+                   'vec2 footprint = sqrt(across * across + down * down);');
+    atlases.forEach(({size: [U, V], mips, row}, i) =>
+        lines.push(`Places places${i} = placesIn(ivec2(${U}, ${V}), ${mips}, ${row}, footprint);`));
     if (by.coverage)
         lines.push(`if (${at('coverage')}.r < tsr_least_coverage) discard;`);
     lines.push('vec3 d = normalize(toEye);',
@@ -139,6 +208,8 @@ export function fragmentShader({angularMap, layers, lights}) {
         lines.push(`colour = ${turned(single, 'surfacePlace', angularMap)};`);
     else
         lines.push(...layeredLines(by, lights, {at, turned, light}));
+    if (blends && by.opacity)
+        lines.push(`float hidden = ${at('opacity')}.r;`, 'colour.a = hidden < tsr_full_opacity ? hidden : 1.0;');
     return `precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -149,19 +220,41 @@ in vec3 toEye;
 centroid in vec3 surfaceNormal, surfaceTangent;
 centroid in vec2 surfacePlace;
 out vec4 colour;
-vec4 viewAt(sampler2D picture, ivec2 side, int columns, vec2 uv, int view) {
-    vec2 at = clamp(uv * vec2(side), vec2(0.5), vec2(side) - 0.5);
-    ivec2 first = ivec2(view % columns, view / columns) * side;
-    return textureLod(picture, (at + vec2(first)) / vec2(textureSize(picture, 0)), 0.0);
+// The four texels around a place in up to two mips of an atlas; count is 0 where the texture unit interpolates.
+struct Places {
+    int count;
+    ivec2 low[2], high[2];
+    vec4 share[2]; // (low, low), (high, low), (low, high), (high, high)
+};
+struct View {
+    ivec2 side, cell; // without and with its mips
+    int columns;      // of the picture
+};
+${atlases.length ? mipSource : ''}
+vec4 viewAt(sampler2D picture, View of, Places places, vec2 uv, int view) {
+    ivec2 first = ivec2(view % of.columns, view / of.columns) * of.cell;
+    if (places.count == 0) {
+        vec2 at = clamp(uv * vec2(of.side), vec2(0.5), vec2(of.side) - 0.5);
+        return textureLod(picture, (at + vec2(first)) / vec2(textureSize(picture, 0)), 0.0);
+    }
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < places.count; ++i) {
+        ivec2 low = first + places.low[i], high = first + places.high[i];
+        sum += places.share[i].x * texelFetch(picture, low, 0) +
+               places.share[i].y * texelFetch(picture, ivec2(high.x, low.y), 0) +
+               places.share[i].z * texelFetch(picture, ivec2(low.x, high.y), 0) +
+               places.share[i].w * texelFetch(picture, high, 0);
+    }
+    return sum;
 }
-vec4 directionAt(sampler2D picture, ivec2 side, int columns, ivec2 views, int map, vec2 uv, TsrMeshFrame frame, vec3 d) {
+vec4 directionAt(sampler2D picture, View of, Places places, ivec2 views, int map, vec2 uv, TsrMeshFrame frame, vec3 d) {
     TsrOctahedralTaps taps = tsr_octahedral_taps(tsr_octahedral_place(map, frame, d), views);
     vec4 sum = vec4(0.0);
     for (int i = 0; i < 4; ++i) {
         ivec2 corner = ivec2(i & 1, i >> 1), st = taps.first + corner;
         st = map == tsr_map_mirrored ? tsr_folded(st, views) : clamp(st, ivec2(0), views - 1);
         vec2 share = mix(1.0 - taps.weight, taps.weight, vec2(corner));
-        sum += share.x * share.y * viewAt(picture, side, columns, uv, st.y * views.x + st.x);
+        sum += share.x * share.y * viewAt(picture, of, places, uv, st.y * views.x + st.x);
     }
     return sum;
 }

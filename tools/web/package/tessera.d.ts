@@ -196,6 +196,8 @@ export interface OpenOptions {
     partial?: boolean;
     /** Replace damaged tiles by coarser levels, or by the background. */
     damaged?: boolean;
+    /** Which texture of a .glb with several, counted from 0. For openBytes() and openUrl(). */
+    texture?: number;
 }
 
 export interface HttpOptions {
@@ -233,8 +235,11 @@ export function loadTessera(
 /** The glTF extension under which a .glb holds a .tess file. */
 export const GLB_EXTENSION: 'TESSERA_texture_light_field';
 
-/** The .tess file in a source that is a .glb; any other source itself. Throws if the .glb holds none. */
-export function glbPayload(source: ByteSource): Promise<ByteSource>;
+/**
+ * The .tess file in a source that is a .glb; any other source itself. `texture`: which one of several, counted from 0.
+ * Throws if the .glb holds none, or several and none is chosen.
+ */
+export function glbPayload(source: ByteSource, texture?: number): Promise<ByteSource>;
 
 /** A file on a web server, read with range requests. Failed requests are repeated. */
 export function httpSource(url: string, options?: HttpOptions): Promise<ByteSource>;

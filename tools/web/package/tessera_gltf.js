@@ -12,6 +12,8 @@ export class GltfTextures {
     constructor(wasm) {
         this.wasm = wasm;
         this.codec = null;
+        this.surfaces = new WeakMap(); // from a glTF file to a map from the number of a texture to its surface
+        this.told = new WeakSet(); // errors
     }
 
     // The object of the extension that material number `index` uses; null: none.
@@ -20,22 +22,43 @@ export class GltfTextures {
         return gltf.textures?.[base?.index]?.extensions?.[GLB_EXTENSION] ?? null;
     }
 
-    // The surface of surface_shader.js. readView(number) resolves to the bytes of a buffer view. longestSide: of textures
-    // of the device. Throws an Error if the material cannot be drawn as the extension says.
+    // Calls warn() with why a material cannot be shown, once for all materials with one texture.
+    tell(warn, error) {
+        if (!this.told.has(error))
+            warn(`${GLB_EXTENSION}: ${error.message}; the picture is shown instead`);
+        this.told.add(error);
+    }
+
+    // Whether material number `index` blends with what is behind it.
+    static blends(gltf, index) {
+        return gltf.materials[index].alphaMode === 'BLEND';
+    }
+
+    // The surface of surface_shader.js, the same object for all materials with one texture. readView(number) resolves
+    // to the bytes of a buffer view. longestSide: of textures of the device. Throws an Error if the material cannot be
+    // drawn as the extension says.
     async surface(gltf, index, readView, longestSide) {
         const base = gltf.materials[index].pbrMetallicRoughness.baseColorTexture;
         if (base.texCoord || base.extensions?.KHR_texture_transform)
             throw new Error('the texture does not lie on TEXCOORD_0 as it is');
-        const {bufferView} = GltfTextures.find(gltf, index);
+        if (!this.surfaces.has(gltf))
+            this.surfaces.set(gltf, new Map());
+        const ofFile = this.surfaces.get(gltf);
+        if (!ofFile.has(base.index))
+            ofFile.set(base.index, this.read(gltf, GltfTextures.find(gltf, index), readView, longestSide));
+        const surface = await ofFile.get(base.index);
+        GltfTextures.checkMeshes(gltf, index, attributesOf(surface).map(name => attributeNames[name]));
+        return surface;
+    }
+
+    async read(gltf, {bufferView}, readView, longestSide) {
         if (!gltf.bufferViews?.[bufferView])
             throw new Error(`there is no buffer view ${bufferView}`);
         const bytes = await readView(bufferView);
         this.codec ??= loadTessera(this.wasm);
         const file = (await this.codec).openBytes(bytes);
         try {
-            const surface = readSurface(file, longestSide);
-            GltfTextures.checkMeshes(gltf, index, attributesOf(surface).map(name => attributeNames[name]));
-            return surface;
+            return readSurface(file, longestSide);
         } finally {
             file.close();
         }

@@ -14,9 +14,10 @@ export interface Three {
 export function tesseraMaterial(THREE: Three, info: Info, rgba: Uint8Array): any;
 /**
  * The same for a mesh with one texture or with layers. The geometry needs the attributes position, normal and uv, and
- * those that attributesOf() of `surface` lists.
+ * those that attributesOf() of `surface` lists. `blends`: a layer of opacity shows what is behind the surface, in display
+ * values like other materials of three.js. Then the indices of the geometry are sorted whenever the camera has moved.
  */
-export function surfaceMaterial(THREE: Three, surface: Surface): any;
+export function surfaceMaterial(THREE: Three, surface: Surface, options?: {blends?: boolean}): any;
 /** A Mesh that shows a texture on a sphere, at its position in the world. Throws if the proxy is not a sphere. */
 export function tesseraSphere(THREE: Three, info: Info, rgba: Uint8Array): any;
 /**

@@ -6,10 +6,11 @@
 //
 // Colours are written as they are stored, ready for the display, without lights or tone mapping.
 import {sampling} from './sampling.js';
-import {fragmentShader, surfaceOf, vertexShader} from './surface_shader.js';
+import {fragmentShader, isTranslucent, surfaceOf, vertexShader} from './surface_shader.js';
 import {ANGULAR_MAP, PROXY} from './tessera.js';
+import {TriangleOrder} from './triangle_order.js';
 
-const isSphere = info => info.proxy === PROXY.sphere || info.proxy === PROXY.sphereInside;
+export const isSphere = info => info.proxy === PROXY.sphere || info.proxy === PROXY.sphereInside;
 
 const sphereVertexShader = `precision highp float;
 precision highp int;
@@ -72,24 +73,58 @@ export function tesseraMaterial(THREE, info, rgba) {
     return rawMaterial(THREE, uniforms, sphereVertexShader, sphereShader, info.inside ? THREE.BackSide : THREE.FrontSide);
 }
 
-// A material for a surface of readSurface() or surfaceOf() in surface_shader.js: a mesh with one texture or with
-// layers. The geometry needs the attributes position, normal and uv, and tangent if attributesOf() lists it.
-export function surfaceMaterial(THREE, surface) {
-    const uniforms = {}, {layers, lights} = surface;
+const texturesOf = new WeakMap(); // from a surface to its textures, which all of its materials share
+
+export function layerTextures(THREE, surface) {
+    if (texturesOf.has(surface))
+        return texturesOf.get(surface);
+    const textures = {}, {layers, lights, charts} = surface;
+    if (charts)
+        textures.charts = pictureTexture(THREE, charts.pixels, charts.width, charts.height, THREE.UnsignedByteType,
+                                         THREE.NearestFilter);
     for (const {name, picture: {width, height, half, pixels}} of layers)
-        uniforms[`${name}Layer`] = {value: pictureTexture(THREE, pixels, width, height,
-                                                          half ? THREE.HalfFloatType : THREE.UnsignedByteType,
-                                                          THREE.LinearFilter)};
+        textures[`${name}Layer`] = pictureTexture(THREE, pixels, width, height,
+                                                  half ? THREE.HalfFloatType : THREE.UnsignedByteType, THREE.LinearFilter);
     if (lights.count)
-        uniforms.lights = {value: pictureTexture(THREE, lights.pixels, 2, lights.count, THREE.FloatType,
-                                                 THREE.NearestFilter)};
+        textures.lights = pictureTexture(THREE, lights.pixels, 2, lights.count, THREE.FloatType, THREE.NearestFilter);
+    texturesOf.set(surface, textures);
+    return textures;
+}
+
+// A material for a surface of readSurface() or surfaceOf() in surface_shader.js: a mesh with one texture or with
+// layers. The geometry needs the attributes position, normal and uv, and tangent if attributesOf() lists it. blends:
+// a layer of opacity shows what is behind the surface. Then the indices of the geometry are sorted before it is drawn.
+export function surfaceMaterial(THREE, surface, {blends = false} = {}) {
     const vertex = vertexShader({
         uniforms: 'uniform mat4 modelMatrix, modelViewMatrix, projectionMatrix;\nuniform vec3 cameraPosition;',
         eye: '(inverse(modelMatrix) * vec4(cameraPosition, 1.0)).xyz', project: '(projectionMatrix * modelViewMatrix)'});
-    return rawMaterial(THREE, uniforms, vertex, fragmentShader(surface), THREE.FrontSide);
+    const uniforms = Object.fromEntries(
+        Object.entries(layerTextures(THREE, surface)).map(([name, value]) => [name, {value}]));
+    const material = rawMaterial(THREE, uniforms, vertex, fragmentShader(surface, blends), THREE.FrontSide);
+    return blends && isTranslucent(surface) ? blended(THREE, material) : material;
 }
 
-function pictureTexture(THREE, pixels, width, height, type, filter) {
+// Lets a material blend. Triangles are sorted whenever the camera has moved, because depth does not order them.
+export function blended(THREE, material) {
+    const orders = new WeakMap(); // by geometry
+    const onBeforeRender = (renderer, scene, camera, geometry, object) => {
+        const {index, attributes: {position}} = geometry;
+        if (!index)
+            return;
+        if (!orders.has(geometry))
+            orders.set(geometry, new TriangleOrder(
+                index.array, i => [position.getX(i), position.getY(i), position.getZ(i)]));
+        const eye = object.worldToLocal(new THREE.Vector3().setFromMatrixPosition(camera.matrixWorld));
+        const sorted = orders.get(geometry).seenFrom(eye.toArray());
+        if (sorted) {
+            index.array.set(sorted);
+            index.needsUpdate = true;
+        }
+    };
+    return Object.assign(material, {transparent: true, depthWrite: false, onBeforeRender});
+}
+
+export function pictureTexture(THREE, pixels, width, height, type, filter) {
     const texture = new THREE.DataTexture(pixels, width, height, THREE.RGBAFormat, type);
     texture.minFilter = texture.magFilter = filter;
     texture.generateMipmaps = false;
@@ -109,11 +144,15 @@ export function tesseraSphere(THREE, info, rgba) {
     if (!isSphere(info))
         throw new Error(`the proxy of the texture is "${info.names.proxy}", not a sphere`);
     const material = tesseraMaterial(THREE, info, rgba);
-    const segments = 32;
-    const around = info.radius / Math.cos(Math.PI / segments) ** 2; // so that the triangles enclose the sphere
-    const mesh = new THREE.Mesh(new THREE.SphereGeometry(around, 2 * segments, segments), material);
+    const mesh = new THREE.Mesh(enclosingSphere(THREE, info), material);
     mesh.position.set(...info.centre);
     return mesh;
+}
+
+// Triangles that enclose the sphere of the texture.
+export function enclosingSphere(THREE, {radius}) {
+    const segments = 32;
+    return new THREE.SphereGeometry(radius / Math.cos(Math.PI / segments) ** 2, 2 * segments, segments);
 }
 
 // A mesh that shows a texture on `geometry`, which has the positions, normals and uv of the file's mesh. three.js'

@@ -74,10 +74,10 @@ function parsedViewData(bytes) {
 }
 
 // Requests the view data that `tessera serve` offers. Other servers send the file itself or an error; then the result
-// is null.
-async function fetchedViewData(url) {
+// is null. texture: as for glbPayload().
+async function fetchedViewData(url, texture = '') {
     try {
-        const answer = await fetch(`${url}?view`, {headers: {Range: 'bytes=0-'}});
+        const answer = await fetch(`${url}?view=${texture}`, {headers: {Range: 'bytes=0-'}});
         const type = answer.headers.get('Content-Type') || '';
         if (!answer.ok || !type.includes('x-tessera-view')) {
             answer.body?.cancel();
@@ -99,14 +99,15 @@ async function showPage(kit, element) {
         if (bytes) {
             await viewer.start({bytes, viewData: unpacked(data).then(parsedViewData)});
         } else {
-            const name = new URLSearchParams(location.search).get('f');
+            const asked = new URLSearchParams(location.search), name = asked.get('f');
+            const texture = asked.get('texture') ?? undefined;
             if (!name)
                 throw Error('The URL names no file. Open this page as ?f=NAME.tess');
             // A full URL is used unchanged. In the name of a file, characters with a meaning in URLs are encoded.
             const path = /^https?:\/\//.test(name) ? name : name.split('/').map(encodeURIComponent).join('/');
             const url = new URL(path, location.origin + location.pathname).href;
             document.title = name;
-            await viewer.start({url, viewData: fetchedViewData(url)});
+            await viewer.start({url, texture, viewData: fetchedViewData(url, texture)});
         }
         page.listen(viewer);
     } catch (error) {

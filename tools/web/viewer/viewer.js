@@ -11,11 +11,12 @@ class Viewer {
         this.hash = new URLSearchParams(location.hash.slice(1));
     }
 
-    // inputs: {bytes} or {url}, and {viewData}: a promise of the result of parsedViewData().
+    // inputs: {bytes} or {url, texture}, and {viewData}: a promise of the result of parsedViewData(). texture: as for
+    // glbPayload().
     async start(inputs) {
         this.gl = this.context();
         this.source = inputs.url ? await new RemoteSource(inputs.url, text => this.page.say(text)).open() : null;
-        const file = this.source && await glbPayload(this.source);
+        const file = this.source && await glbPayload(this.source, inputs.texture);
         this.fileBytes = inputs.bytes ? inputs.bytes.length : file.size;
         this.bytes = inputs.bytes || null;
         if (file && file.size <= smallFile && !this.hash.has('parts'))
