@@ -166,10 +166,9 @@ void note_surplus(const PhotographSet& set, NoteCounts& notes) {
     }
     std::set<std::string> surplus; // sorted, so that the first one does not depend on the disk
     for (const std::string& folder : folders) {
-        std::error_code none;
-        for (fs::directory_iterator entry(folder.empty() ? "." : folder, none), end;
-             !none && entry != end; entry.increment(none)) {
-            const fs::path path = (fs::path(folder) / entry->path().filename()).lexically_normal();
+        std::error_code ignored;
+        for (const std::string& name : names_in(folder.empty() ? "." : folder, ignored)) {
+            const fs::path path = (fs::path(folder) / name).lexically_normal();
             const std::string suffix = path.extension().string();
             if (is_picture_suffix(suffix) && !known.contains(path.string()))
                 surplus.insert(path.string());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "corpus/photographs/photograph.h"
+#include "format/output_file.h"
 
 #include <cmath>
 #include <filesystem>
@@ -40,7 +41,7 @@ bool is_colmap_model(const std::string& folder);
 // Whether the regular file exists.
 inline bool is_file(const std::filesystem::path& path) {
     std::error_code none;
-    return std::filesystem::is_regular_file(path, none);
+    return std::filesystem::is_regular_file(to_path(path.string()), none);
 }
 
 // Names in damaged files can be very long.

@@ -7,7 +7,6 @@
 #include "tools/support/json_text.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
-#include "tools/support/system.h"
 #include "tools/support/warnings.h"
 #include "tools/verbs/photograph_figures.h"
 
@@ -40,7 +39,7 @@ Result<PosedPhotograph> plain_photograph(const fs::path& path) {
 Result<std::vector<PosedPhotograph>> photographs_in(const std::string& folder) {
     std::vector<fs::path> paths;
     std::error_code failed;
-    for (const std::string& name : names_in(to_path(folder), failed))
+    for (const std::string& name : names_in(folder, failed))
         if (corpus::is_picture_suffix(to_path(name).extension().string()))
             paths.push_back(fs::path(folder) / name);
     if (failed)
@@ -67,7 +66,7 @@ Result<std::vector<PosedPhotograph>> photographs_of(const PhotographComparison& 
 
 bool is_regular(const std::string& path) {
     std::error_code none;
-    return fs::is_regular_file(path, none);
+    return fs::is_regular_file(to_path(path), none);
 }
 
 // The drawn picture of the photograph with this short name.
@@ -139,7 +138,7 @@ std::vector<std::string> missed_means(const PhotographComparison& a,
 bool are_photographs(const std::string& a, const std::string& b) {
     std::error_code none;
     return corpus::is_photograph_set(a) &&
-           (fs::is_directory(b, none) || !fs::is_directory(a, none));
+           (fs::is_directory(to_path(b), none) || !fs::is_directory(to_path(a), none));
 }
 
 Status compare_photographs(const PhotographComparison& a) {
