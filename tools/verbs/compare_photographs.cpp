@@ -104,7 +104,7 @@ Json json_or_null(const std::optional<double>& value) {
 
 Json photographs_json(const PhotographComparison& a, const PhotographFigures& figures,
                       const std::vector<ComparedPhotograph>& photographs,
-                      const std::vector<std::string>& missed) {
+                      const std::vector<std::string>& missed, const Warnings& warnings) {
     Json json = {{"photographs", a.photographs},
                  {"drawn", a.drawn},
                  {"psnr", figures.psnr},
@@ -118,6 +118,7 @@ Json photographs_json(const PhotographComparison& a, const PhotographFigures& fi
                                     {"pixels", photograph.weight}});
     json["passed"] = missed.empty();
     json["missed"] = missed;
+    json["warnings"] = warnings.json();
     return json;
 }
 
@@ -143,7 +144,7 @@ bool are_photographs(const std::string& a, const std::string& b) {
 
 Status compare_photographs(const PhotographComparison& a) {
     TESSERA_TRY_ASSIGN(const glm::dvec3 background, parse_background(a.background));
-    Warnings warnings(false);
+    Warnings warnings(a.strict);
     TESSERA_TRY_ASSIGN(const auto photographs, photographs_of(a, warnings));
     const std::vector<std::string> names = corpus::names_of(photographs);
     std::vector<ComparedPhotograph> compared(names.size());
@@ -169,7 +170,7 @@ Status compare_photographs(const PhotographComparison& a) {
     const auto missed = missed_means(a, figures);
     warnings.print("compare");
     if (a.json)
-        print_json(photographs_json(a, figures, compared, missed));
+        print_json(photographs_json(a, figures, compared, missed, warnings));
     else if (!a.quiet)
         print_photographs("photograph", figures, compared);
     if (missed.empty())
