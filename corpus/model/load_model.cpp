@@ -63,7 +63,8 @@ bool is_model_path(const std::string& path) {
 
 std::string folder_of(const std::string& path) {
     // Not by to_path(), whose prefix for long paths on Windows does not survive lexically_normal().
-    const std::string folder = std::filesystem::path(path).parent_path().string();
+    const std::filesystem::path whole(std::u8string(path.begin(), path.end()));
+    const std::string folder = whole.parent_path().string();
     return folder.empty() ? "." : folder;
 }
 

@@ -40,7 +40,7 @@ Result<StatedFrames> stated_frames_in(const std::string& folder) {
 bool is_photograph_set(const std::string& path) {
     std::error_code none;
     if (!fs::is_directory(to_path(path), none))
-        return fs::path(path).extension() == ".json";
+        return to_path(path).extension() == ".json";
     return is_file(path + "/transforms.json") ||
            std::ranges::any_of(model_folders,
                                [&](const char* below) { return is_colmap_model(path + below); });

@@ -23,10 +23,10 @@ using corpus::PhotoPixels;
 using corpus::PosedPhotograph;
 
 // A picture without a camera.
-Result<PosedPhotograph> plain_photograph(const fs::path& path) {
+Result<PosedPhotograph> plain_photograph(const std::string& folder, const std::string& name) {
     PosedPhotograph photograph;
-    photograph.name = path.filename().string();
-    photograph.path = path.string();
+    photograph.name = name;
+    photograph.path = folder + "/" + name;
     TESSERA_TRY_ASSIGN(const auto file, open_file(photograph.path));
     TESSERA_TRY_ASSIGN(const auto picture, corpus::open_picture_file(*file));
     photograph.exif = corpus::Exif::followed;
@@ -37,19 +37,19 @@ Result<PosedPhotograph> plain_photograph(const fs::path& path) {
 
 // All pictures of the folder, by name.
 Result<std::vector<PosedPhotograph>> photographs_in(const std::string& folder) {
-    std::vector<fs::path> paths;
     std::error_code failed;
-    for (const std::string& name : names_in(folder, failed))
-        if (corpus::is_picture_suffix(to_path(name).extension().string()))
-            paths.push_back(fs::path(folder) / name);
+    std::vector<std::string> names = names_in(folder, failed);
+    std::erase_if(names, [](const std::string& name) {
+        return !corpus::is_picture_suffix(to_path(name).extension().string());
+    });
     if (failed)
         return Status(ErrorCode::io, folder + ": " + failed.message());
-    if (paths.empty())
+    if (names.empty())
         return Status(ErrorCode::bad_argument, folder + ": has no pictures");
-    std::ranges::sort(paths);
+    std::ranges::sort(names);
     std::vector<PosedPhotograph> photographs;
-    for (const fs::path& path : paths) {
-        TESSERA_TRY_ASSIGN(photographs.emplace_back(), plain_photograph(path));
+    for (const std::string& name : names) {
+        TESSERA_TRY_ASSIGN(photographs.emplace_back(), plain_photograph(folder, name));
     }
     return photographs;
 }
@@ -73,7 +73,7 @@ bool is_regular(const std::string& path) {
 Result<PosedPhotograph> drawn_picture(const std::string& folder, const std::string& name) {
     for (const char* suffix : {".png", ".exr", ".jpg", ".webp", ".tif"})
         if (const std::string path = folder + "/" + name + suffix; is_regular(path))
-            return plain_photograph(path);
+            return plain_photograph(folder, name + suffix);
     return Status(ErrorCode::difference, folder + "/" + name + ".png: does not exist");
 }
 
