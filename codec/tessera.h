@@ -184,13 +184,17 @@ typedef struct {
     size_t struct_size;
     tessera_texture texture;
     const void* texels; /* the whole texture, or null */
-    size_t texel_bytes; /* size of `texels`, which must be exactly that of the texture */
+    size_t texel_bytes; /* size of `texels`, exactly that of the texture; unused with `strides` */
     /* Null if `texels` is set. Called for boxes in any order, and several times for the same box;
      * from several threads at once unless one_at_a_time is 1. */
     tessera_read_texels_function read;
     void* user;            /* passed to `read` */
     int32_t one_at_a_time; /* 1: `read` is called once at a time, from any thread */
     int32_t slow; /* 1: reading a box again is expensive (rendering), so use fewer passes */
+    /* Bytes from one element of `texels` to the next along u, v, s, t and the channels, for axes in
+     * another order than the library's; may be negative. `texels` is the element 0, 0, 0, 0, 0. The
+     * caller answers for the memory. All 0: dense, in the library's order. */
+    int64_t strides[5];
 } tessera_texel_source;
 
 TESSERA_API void tessera_texel_source_init_sized(tessera_texel_source* source, size_t struct_size);

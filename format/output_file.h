@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace TESSERA_PUBLIC tessera {
@@ -16,6 +17,10 @@ namespace TESSERA_PUBLIC tessera {
 // to be in the system's code page on Windows, so it is converted by this. Bytes that are not UTF-8
 // stay as they are, but on Windows become U+FFFD. Thread-safe.
 std::filesystem::path to_path(const std::string& utf8);
+
+// Names of what a folder holds, in any order. std::filesystem with mingw-w64 would list the current
+// folder instead of one whose path has more than 260 characters. Thread-safe.
+std::vector<std::string> names_in(const std::string& folder, std::error_code& error);
 
 // What writing to `path` creates or replaces: `path` itself or, where that is a symbolic link, what
 // it points to, which need not exist. Errors: io (a loop of links).

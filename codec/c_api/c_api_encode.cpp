@@ -4,7 +4,10 @@
 #include "codec/encoder.h"
 #include "format/texture.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <utility>
 
@@ -33,12 +36,88 @@ private:
     TurnLock turn_;
 };
 
+// Copies `count` elements that are `stride` bytes apart.
+using Gather = void (*)(const std::byte* from, std::int64_t stride, std::size_t count,
+                        std::byte* to);
+template <std::size_t bytes>
+void gather(const std::byte* from, std::int64_t stride, std::size_t count, std::byte* to) {
+    for (std::size_t i = 0; i < count; ++i, from += stride, to += bytes)
+        std::memcpy(to, from, bytes);
+}
+
+Gather gather_of(std::size_t element_bytes) {
+    switch (element_bytes) {
+    case 1:
+        return gather<1>;
+    case 2:
+        return gather<2>;
+    case 3:
+        return gather<3>;
+    case 4:
+        return gather<4>;
+    case 6:
+        return gather<6>;
+    default:
+        return gather<8>;
+    }
+}
+
+// Texels in memory whose axes are in any order.
+class StridedTexels : public TexelSource {
+public:
+    StridedTexels(const TextureDesc& desc, const tessera_texel_source& source)
+        : desc_(desc), texels_(static_cast<const std::byte*>(source.texels)),
+          has_whole_texels_(desc.channels == 1 || source.strides[4] == sample_bytes(desc)),
+          gather_(gather_of(has_whole_texels_ ? desc.texel_bytes()
+                                              : static_cast<std::size_t>(sample_bytes(desc)))) {
+        std::copy_n(source.strides, 5, strides_.begin());
+    }
+    const TextureDesc& desc() const override { return desc_; }
+    Status read(const Box4& box, std::span<std::byte> out) override {
+        const std::size_t along_s = box.end[2] - box.begin[2];
+        std::byte* to = out.data();
+        for (std::uint32_t v = box.begin[1]; v < box.end[1]; ++v)
+            for (std::uint32_t u = box.begin[0]; u < box.end[0]; ++u)
+                for (std::uint32_t t = box.begin[3]; t < box.end[3]; ++t) {
+                    read_row(at(u, v, box.begin[2], t), along_s, to);
+                    to += along_s * desc_.texel_bytes();
+                }
+        return {};
+    }
+
+private:
+    static std::int64_t sample_bytes(const TextureDesc& desc) {
+        return static_cast<std::int64_t>(desc.texel_bytes() / desc.channels);
+    }
+    const std::byte* at(std::uint32_t u, std::uint32_t v, std::uint32_t s, std::uint32_t t) const {
+        return texels_ + u * strides_[0] + v * strides_[1] + s * strides_[2] + t * strides_[3];
+    }
+    void read_row(const std::byte* from, std::size_t count, std::byte* to) const {
+        if (has_whole_texels_)
+            return gather_(from, strides_[2], count, to);
+        for (; count > 0; --count, from += strides_[2], to += desc_.texel_bytes())
+            gather_(from, strides_[4], desc_.channels, to);
+    }
+
+    const TextureDesc desc_;
+    const std::byte* const texels_;
+    const bool has_whole_texels_; // whose channels are side by side
+    const Gather gather_;
+    std::array<std::int64_t, 5> strides_ = {};
+};
+
 Result<std::unique_ptr<TexelSource>> make_source(const tessera_texel_source& source) {
     TESSERA_TRY_ASSIGN(const TextureDesc desc, take_texture(source.texture));
     if ((source.texels == nullptr) == (source.read == nullptr))
         return bad("tessera_texel_source: set either texels or read");
+    const bool has_strides =
+        std::ranges::any_of(source.strides, [](std::int64_t stride) { return stride != 0; });
+    if (source.read != nullptr && has_strides)
+        return bad("tessera_texel_source: strides belong to texels, not to read");
     if (source.read != nullptr)
         return std::unique_ptr<TexelSource>(std::make_unique<CallbackTexels>(desc, source));
+    if (has_strides)
+        return std::unique_ptr<TexelSource>(std::make_unique<StridedTexels>(desc, source));
     const std::uint64_t needed = desc.box_bytes(Box4::whole(desc.size));
     if (source.texel_bytes != needed)
         return bad("texel_bytes is " + std::to_string(source.texel_bytes) + "; a texture of " +

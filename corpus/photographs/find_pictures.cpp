@@ -43,16 +43,17 @@ fs::path picture_of(const std::string& name, const StatedFrames& stated,
     std::vector<fs::path> places;
     if (options.images.empty()) {
         for (const std::string& folder : stated.folders)
-            places.push_back(fs::path(folder) / name);
+            places.push_back(lexical_path(folder) / lexical_path(name));
     } else {
-        places.push_back(fs::path(options.images) / name);
-        places.push_back(fs::path(options.images) / fs::path(name).filename());
+        places.push_back(lexical_path(options.images) / lexical_path(name));
+        places.push_back(lexical_path(options.images) / lexical_path(name).filename());
     }
     for (const fs::path& place : places) {
         if (is_file(place))
             return place.lexically_normal();
         for (const char* suffix : picture_suffixes)
-            if (fs::path with_suffix = place.string() + suffix; is_file(with_suffix))
+            if (const fs::path with_suffix = lexical_path(place.string() + suffix);
+                is_file(with_suffix))
                 return with_suffix.lexically_normal();
     }
     return places.front().lexically_normal();
@@ -60,9 +61,10 @@ fs::path picture_of(const std::string& name, const StatedFrames& stated,
 
 // Where COLMAP looks for the mask of a picture, or the same without the folders of its name.
 fs::path mask_of(const PosedPhotograph& photograph, const std::string& folder) {
-    const std::string file = fs::path(photograph.path).filename().string() + ".png";
-    const fs::path place = fs::path(folder) / fs::path(photograph.name).parent_path() / file;
-    const fs::path beside = fs::path(folder) / file;
+    const fs::path file = lexical_path(lexical_path(photograph.path).filename().string() + ".png");
+    const fs::path place =
+        lexical_path(folder) / lexical_path(photograph.name).parent_path() / file;
+    const fs::path beside = lexical_path(folder) / file;
     return (!is_file(place) && is_file(beside) ? beside : place).lexically_normal();
 }
 
@@ -162,14 +164,13 @@ void note_surplus(const PhotographSet& set, NoteCounts& notes) {
     for (const PosedPhotograph& photograph : set.photographs) {
         known.insert(photograph.path);
         known.insert(photograph.mask_path);
-        folders.insert(fs::path(photograph.path).parent_path().string());
+        folders.insert(lexical_path(photograph.path).parent_path().string());
     }
     std::set<std::string> surplus; // sorted, so that the first one does not depend on the disk
     for (const std::string& folder : folders) {
-        std::error_code none;
-        for (fs::directory_iterator entry(folder.empty() ? "." : folder, none), end;
-             !none && entry != end; entry.increment(none)) {
-            const fs::path path = (fs::path(folder) / entry->path().filename()).lexically_normal();
+        std::error_code ignored;
+        for (const std::string& name : names_in(folder.empty() ? "." : folder, ignored)) {
+            const fs::path path = (lexical_path(folder) / lexical_path(name)).lexically_normal();
             const std::string suffix = path.extension().string();
             if (is_picture_suffix(suffix) && !known.contains(path.string()))
                 surplus.insert(path.string());

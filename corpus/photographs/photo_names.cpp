@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> steps_of(const std::string& name) {
     std::vector<std::string> steps;
-    for (const fs::path& step : fs::path(name).lexically_normal().relative_path())
+    for (const fs::path& step : lexical_path(name).lexically_normal().relative_path())
         if (!step.empty())
             steps.push_back(step == ".." ? "_" : step.string()); // stays in the folder of outputs
     if (steps.empty())
@@ -19,7 +19,7 @@ std::vector<std::string> steps_of(const std::string& name) {
 }
 
 std::string without_suffix(const std::string& file) {
-    const fs::path path(file);
+    const fs::path path = lexical_path(file);
     std::string suffix = path.extension().string();
     std::ranges::transform(suffix, suffix.begin(), [](char c) {
         return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

@@ -29,10 +29,11 @@ struct PosedPhotograph {
 };
 
 struct PhotographOptions {
-    std::string images; // the folder of the pictures; empty: where the description says they are
+    // The folder of the pictures; empty: where the description says they are.
+    std::string images = {};
     // A folder with masks as COLMAP's mask_path: that of r_0.png is r_0.png.png. They replace those
     // that the description states. Empty: only those.
-    std::string masks;
+    std::string masks = {};
     // Without pictures, only those are opened whose cameras state no size. Frames whose pictures are
     // missing stay.
     bool with_pictures = true;

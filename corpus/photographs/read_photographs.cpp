@@ -13,13 +13,10 @@ constexpr const char* model_folders[] = {"", "/sparse/0", "/sparse"}; // below a
 // What is wrong with a folder that is no description, and which files the user may mean.
 Status no_description(const std::string& folder) {
     std::string found;
-    std::error_code none;
-    for (fs::directory_iterator entry(folder, none), end; !none && entry != end;
-         entry.increment(none)) {
-        const std::string name = entry->path().filename().string();
+    std::error_code ignored;
+    for (const std::string& name : names_in(folder, ignored))
         if (name.starts_with("transforms") && name.ends_with(".json"))
             found = found.empty() || name < found ? name : found;
-    }
     const std::string hint =
         found.empty() ? "" : "; name the file that you mean, such as " + folder + "/" + found;
     return {ErrorCode::bad_argument,
@@ -42,8 +39,8 @@ Result<StatedFrames> stated_frames_in(const std::string& folder) {
 
 bool is_photograph_set(const std::string& path) {
     std::error_code none;
-    if (!fs::is_directory(path, none))
-        return fs::path(path).extension() == ".json";
+    if (!fs::is_directory(to_path(path), none))
+        return to_path(path).extension() == ".json";
     return is_file(path + "/transforms.json") ||
            std::ranges::any_of(model_folders,
                                [&](const char* below) { return is_colmap_model(path + below); });
@@ -51,7 +48,7 @@ bool is_photograph_set(const std::string& path) {
 
 Result<PhotographSet> read_photographs(const std::string& path, const PhotographOptions& options) {
     std::error_code none;
-    TESSERA_TRY_ASSIGN(StatedFrames stated, fs::is_directory(path, none)
+    TESSERA_TRY_ASSIGN(StatedFrames stated, fs::is_directory(to_path(path), none)
                                                 ? stated_frames_in(path)
                                                 : read_transforms_json(path));
     return find_pictures(path, std::move(stated), options);

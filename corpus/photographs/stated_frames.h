@@ -2,6 +2,7 @@
 #pragma once
 
 #include "corpus/photographs/photograph.h"
+#include "format/output_file.h"
 
 #include <cmath>
 #include <filesystem>
@@ -37,10 +38,19 @@ Result<StatedFrames> read_colmap_model(const std::string& folder);
 // Whether the folder has the files of a COLMAP model.
 bool is_colmap_model(const std::string& folder);
 
+// A path to take apart, not to open: it lacks the prefix that to_path() gives a long one on Windows,
+// which lexically_normal() would break.
+inline std::filesystem::path lexical_path(const std::string& utf8) {
+    return std::u8string(utf8.begin(), utf8.end());
+}
+
 // Whether the regular file exists.
-inline bool is_file(const std::filesystem::path& path) {
+inline bool is_file(const std::string& utf8) {
     std::error_code none;
-    return std::filesystem::is_regular_file(path, none);
+    return std::filesystem::is_regular_file(to_path(utf8), none);
+}
+inline bool is_file(const std::filesystem::path& path) {
+    return is_file(path.string());
 }
 
 // Names in damaged files can be very long.

@@ -238,7 +238,7 @@ Status take_frame(const FrameJson& json, const FrameJson& file, const std::strin
     TESSERA_TRY(take_pose(json, frame));
     if (const auto mask = json.find("mask_path"); mask != json.end() && !mask->is_null()) {
         TESSERA_TRY_ASSIGN(const std::string name, path_at(json, "mask_path"));
-        frame.mask = (std::filesystem::path(folder) / name).lexically_normal().string();
+        frame.mask = (lexical_path(folder) / lexical_path(name)).lexically_normal().string();
     }
     return {};
 }

@@ -24,4 +24,11 @@ Result<std::string> output_target(const std::string& path) {
     return sys::system_error(path, "cannot follow the link", ELOOP);
 }
 
+std::vector<std::string> names_in(const std::string& folder, std::error_code& error) {
+    std::vector<std::string> names;
+    const bool listed = sys::list_folder(folder, names) == 0;
+    error = listed ? std::error_code() : std::error_code(errno, std::generic_category());
+    return names;
+}
+
 } // namespace tessera

@@ -45,8 +45,8 @@ def encode(array: Any, path: Union[str, "os.PathLike[str]", BinaryIO], *,
 
     array          texels of shape (u, v, s, t) for one channel, or (u, v, s, t, channels) for
                    1 grey, 2 grey + alpha, 3 RGB, 4 RGB + alpha; uint8 or float16, of any strides
-                   and byte order. An array in the library's own order, v, u, t, s, channels, is not
-                   copied; of others, one tile at a time is. Other objects with shape, ndim, dtype
+                   and byte order. The library reads an array where it is, tile by tile, fastest in
+                   its own order, v, u, t, s, channels. Other objects with shape, ndim, dtype
                    and slices, such as zarr and HDF5 arrays and tessera.Texture, are read tile by
                    tile and several times; anything else goes through numpy.asarray.
     path           the file, which is created or replaced once it is complete, or a binary file
@@ -134,11 +134,14 @@ class _Encoding:
                 raise ValueError(f"an axis of the array has {side} elements, outside 1 to 2**20")
         source = lib.TexelSource(texture=lib.Texture(
             lib.Extent(u, v, s, t), int(dtype != np.uint8), channels[0] if channels else 1))
-        if isinstance(array, np.ndarray):
-            raw = _library_order(array)
-            if raw.flags.c_contiguous and dtype.isnative:
-                source.texels, source.texel_bytes, source.kept = raw.ctypes.data, raw.nbytes, raw
+        if isinstance(array, np.ndarray) and dtype.isnative:
+            source.texels, source.texel_bytes, source.kept = array.ctypes.data, array.nbytes, array
+            if _library_order(array).flags.c_contiguous:
                 return source
+            source.strides = (c.c_int64 * 5)(*(array.strides + (dtype.itemsize,))[:5])
+            if any(source.strides):  # else all texels are one, and the library would see no strides
+                return source
+            source.texels = None
         source.read = lib.ReadTexelsFunction(self._callbacks.guard(_reader(array, dtype)))
         source.one_at_a_time = not isinstance(array, np.ndarray)
         return source

@@ -61,7 +61,7 @@ class TexelSource(Sized):
     c_name = "tessera_texel_source"
     _fields_ = [("struct_size", c.c_size_t), ("texture", Texture), ("texels", c.c_void_p),
                 ("texel_bytes", c.c_size_t), ("read", ReadTexelsFunction), ("user", c.c_void_p),
-                ("one_at_a_time", c.c_int32), ("slow", c.c_int32)]
+                ("one_at_a_time", c.c_int32), ("slow", c.c_int32), ("strides", c.c_int64 * 5)]
 
 
 class EncodeOptions(Sized):

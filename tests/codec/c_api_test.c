@@ -748,6 +748,40 @@ static int test_targets_beyond_every_quantiser(void) {
     return 0;
 }
 
+/* An array of the axes s, t, u, v and channels, in which u counts down, gives the same bytes as the
+ * dense texels; as does one whose channels are the outermost axis. */
+static int test_strides(void) {
+    const tessera_texel_source dense = small_source();
+    const tessera_encode_options options = lossless();
+    static const int64_t orders[2][5] = {{-V * C, C, T * U * V * C, U * V * C, 1},
+                                         {V * S * T, S * T, T, 1, U * V * S * T}};
+    static unsigned char texels[small_bytes];
+    void *wanted = NULL, *file = NULL;
+    size_t wanted_bytes = 0, file_bytes = 0, i, u, v, s, t, c;
+    CHECK(tessera_encode_to_memory(&dense, &wanted, &wanted_bytes, &options, NULL) == 0);
+    for (i = 0; i < 2; ++i) {
+        const int64_t* step = orders[i];
+        unsigned char* first = texels + (step[0] < 0 ? -step[0] * (U - 1) : 0);
+        tessera_texel_source source = dense;
+        for (v = 0; v < V; ++v)
+            for (u = 0; u < U; ++u)
+                for (t = 0; t < T; ++t)
+                    for (s = 0; s < S; ++s)
+                        for (c = 0; c < C; ++c)
+                            first[(int64_t)u * step[0] + (int64_t)v * step[1] +
+                                  (int64_t)s * step[2] + (int64_t)t * step[3] +
+                                  (int64_t)c * step[4]] = small_texels[place(u, v, s, t) + c];
+        source.texels = first;
+        source.texel_bytes = 0;
+        memcpy(source.strides, step, sizeof source.strides);
+        CHECK(tessera_encode_to_memory(&source, &file, &file_bytes, &options, NULL) == 0);
+        CHECK(file_bytes == wanted_bytes && memcmp(file, wanted, wanted_bytes) == 0);
+        tessera_free(file);
+    }
+    tessera_free(wanted);
+    return 0;
+}
+
 /* ---- Errors */
 
 static int test_options_out_of_range(void) {
@@ -796,6 +830,9 @@ static int test_options_out_of_range(void) {
     REFUSED(tessera_encode_to_memory(&source, &file, &file_bytes, NULL, NULL), TESSERA_BAD_ARGUMENT,
             "either texels or read");
     source.texels = NULL;
+    source.strides[1] = 3;
+    REFUSED(tessera_encode_to_memory(&source, &file, &file_bytes, NULL, NULL), TESSERA_BAD_ARGUMENT,
+            "strides belong to texels");
     source.read = NULL;
     CHECK(tessera_encode_to_memory(&source, &file, &file_bytes, NULL, NULL) ==
           TESSERA_BAD_ARGUMENT);
@@ -1003,7 +1040,7 @@ int main(int argc, char** argv) {
         return 1;
     CHECK(remove(path) == 0);
     return test_levels_parts_and_damage() || test_metadata_and_description() ||
-           test_masks_and_halves() || test_targets_beyond_every_quantiser() ||
+           test_masks_and_halves() || test_strides() || test_targets_beyond_every_quantiser() ||
            test_options_out_of_range() || test_box_bytes() || test_structures_that_grow() ||
            test_null_pointers() || test_wrong_order();
 }

@@ -90,6 +90,30 @@ check "a long path is made" windows encode scene.exr --effort 0 -q -o "${long}a.
 check "a long path is read" windows validate "${long}a.tess"
 check "views in a long path" windows decode "${long}a.tess" -q -o "${long}views/"
 check "views are read from a long path" windows encode "${long}views/" --effort 0 -q -o b.tess
+check "rd in a long path" windows rd scene.exr --rivals none --efforts 0 --psnr 38 -q -o "${long}curves"
+check "the files of rd are there" test -s "${long}curves/rd.csv" -a -s "${long}curves/index.html"
+# Nine photographs of a wall.
+frames=()
+for x in -1 0 1; do
+    for y in -1 0 1; do
+        frames+=("{\"file_path\":\"photos/größe ${#frames[@]}.png\",\"transform_matrix\":
+                  [[1,0,0,$x],[0,1,0,$y],[0,0,1,10],[0,0,0,1]]}")
+    done
+done
+mkdir "${long}wall"
+printf 'v -3 -3 0\nv 3 -3 0\nv 3 3 0\nv -3 3 0\nf 1 2 3 4\n' > wall.obj
+(IFS=,; echo "{\"w\":32,\"h\":32,\"fl_x\":36,\"frames\":[${frames[*]}]}") > "${long}wall/transforms.json"
+linux render --scene lambert --size 32x16x2x2 --spp 1 --cameras "${long}wall/transforms.json" \
+    -o "${long}wall/photos" -q
+fit=(--mesh wall.obj --texels 1024 --directions 2 --shared-directions 4 --smoothness 1 --no-corrections -q)
+cp -r "${long}wall" 'wände €'
+check "photographs" windows fit 'wände €/transforms.json' "${fit[@]}" -o wall.tess
+check "photographs are drawn" windows render wall.tess --cameras 'wände €' -q -o 'drawn €/'
+check "photographs in a long path" windows fit "${long}wall" "${fit[@]}" -o far_wall.tess
+check "they are drawn" windows render far_wall.tess --cameras "${long}wall" -q -o "${long}drawn"
+check "the same pictures by both paths" diff -r 'drawn €' "${long}drawn"
+check "photographs are compared" windows compare "${long}wall" "${long}drawn"
+check "pictures are compared" windows compare 'drawn €' "\${long}drawn" --pictures --min-psnr 99
 
 # An encode that is killed goes on where it was, and gives the same bytes.
 long_encode=(encode big.exr --effort 4 --tile 16x16x9x9 --threads 1 -q)

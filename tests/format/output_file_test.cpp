@@ -8,6 +8,7 @@
 #include "tests/support/files_in_folder.h"
 #include "tests/support/format_bytes.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -93,6 +94,19 @@ TEST_F(Files, FoldersCanBeMoved) {
     }
     EXPECT_EQ(slurp(path("first/a")), "a");
     EXPECT_EQ(files(), 1) << "the other folder was not discarded";
+}
+
+TEST_F(Files, NamesInAFolder) {
+    std::error_code error = std::make_error_code(std::errc::io_error);
+    EXPECT_EQ(names_in(folder_.string(), error), std::vector<std::string>());
+    EXPECT_FALSE(error);
+    std::ofstream(path("a")).close();
+    ASSERT_EQ(sys::make_folder(folder_.string() + "/größe €"), 0);
+    std::vector<std::string> names = names_in(folder_.string(), error);
+    std::ranges::sort(names);
+    EXPECT_EQ(names, (std::vector<std::string>{"a", "größe €"}));
+    EXPECT_EQ(names_in(path("none"), error), std::vector<std::string>());
+    EXPECT_EQ(error, std::errc::no_such_file_or_directory);
 }
 
 TEST_F(Files, ReadsSources) {

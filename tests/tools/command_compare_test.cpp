@@ -69,4 +69,20 @@ TEST_F(CompareVerb, ComparesASampleAndARebakedScene) {
     fail(7, "compare a.tess --bake lamps --sample 0.1", {"half16"});
 }
 
+// Both folders have samples that half floats cannot hold.
+TEST_F(CompareVerb, CountsWarnings) {
+    const float values[] = {1e6f, 2, 3, 4};
+    for (const char* folder : {"f", "g"}) {
+        fs::create_directories(at(folder));
+        spit(at(fs::path(folder) / "p1.pfm"),
+             "Pf 4 1 -1\n" + std::string(reinterpret_cast<const char*>(values), 16));
+    }
+    const Outcome o = run("compare f/ g/ -q");
+    EXPECT_EQ(o.code, 0);
+    EXPECT_EQ(o.err, "tessera compare: warning: samples beyond +-65504, the range of half floats, "
+                     "became +-65504 (2 times, first in f/p1.pfm)\n");
+    EXPECT_EQ(json("compare f/ g/ --json")["warnings"][0]["count"], 2);
+    fail(5, "compare f/ g/ --strict", {"p1.pfm", "beyond +-65504", "--strict"});
+}
+
 } // namespace

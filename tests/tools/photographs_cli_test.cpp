@@ -47,6 +47,16 @@ TEST_F(PhotographsCli, DrawsTheViewsOfPhotographs) {
     EXPECT_EQ(picture("drawn/a.png").rgb, picture("eye.png").rgb);
     succeed("render s.tess -o eye.png --eye 10,0,0 --pixels 32x24 --fov 43.602818972703624 -q");
     EXPECT_EQ(picture("drawn/b.png").rgb, picture("eye.png").rgb);
+    EXPECT_EQ(json("render s.tess -o drawn --cameras c.json --strict --json")["warnings"].size(),
+              0u);
+    spit(at("twice.json"), transforms_json(R"("w":32,"h":24,"fl_x":30,)",
+                                           {frame_json("./photos/a", sphere_frames[0]),
+                                            frame_json("photos/a", sphere_frames[1])}));
+    EXPECT_EQ(json("render s.tess -o drawn --cameras twice.json --json")["warnings"][0]["count"],
+              1);
+    fail(5, "render s.tess -o none --cameras twice.json --strict",
+         {"photos/a", "repeats", "--strict"});
+    EXPECT_FALSE(fs::exists(at("none")));
     succeed("render s.tess -o half.png --cameras c.json --scale 0.5 -q");
     EXPECT_EQ(picture("half-a.png").width, 16u);
     EXPECT_EQ(picture("half-b.png").height, 12u);
@@ -160,6 +170,10 @@ TEST_F(PhotographsCli, ComparesPhotographs) {
     EXPECT_EQ(warned.code, 0) << warned.err;
     EXPECT_NE(warned.err.find("warning: the picture is missing"), std::string::npos) << warned.err;
     EXPECT_NE(warned.err.find("photos/b"), std::string::npos) << warned.err;
+    const Json listed = json("compare c.json drawn --json")["warnings"];
+    ASSERT_EQ(listed.size(), 1u);
+    EXPECT_EQ(listed[0]["first"], "photos/b");
+    fail(5, "compare c.json drawn --strict", {"photos/b", "the picture is missing", "--strict"});
 }
 
 // What a mask leaves out does not count. Alpha shows the background.

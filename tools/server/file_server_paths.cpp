@@ -110,7 +110,7 @@ bool lists_etag(const std::string& list, const std::string& etag) {
 std::string list_folder(const fs::path& folder, const std::string& path, bool has_viewer) {
     std::vector<std::string> lines;
     std::error_code ignored;
-    for (const std::string& name : names_in(folder, ignored)) {
+    for (const std::string& name : names_in(folder.string(), ignored)) {
         const fs::path entry = folder / to_path(name);
         const bool is_folder = fs::is_directory(entry, ignored);
         if (name.front() == '.' || (!is_folder && !name.ends_with(".tess")))

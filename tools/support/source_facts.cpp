@@ -2,7 +2,6 @@
 
 #include "format/output_file.h"
 #include "tools/support/checksum.h"
-#include "tools/support/system.h"
 
 #include <chrono>
 #include <cstdint>
@@ -45,7 +44,7 @@ std::vector<std::pair<std::string, std::string>> source_facts(const std::string&
     else if (!fs::is_directory(path, error))
         return {{"length of the " + what, length_of(path)}, {"time of the " + what, time}};
     std::map<std::string, std::string> files; // in order of their names
-    for (const std::string& file : names_in(path, error))
+    for (const std::string& file : names_in(name, error))
         if (const std::string time = time_of(path / to_path(file)); !time.empty())
             files[file] = length_of(path / to_path(file)) + " " + time;
     std::uint32_t crc = 0;

@@ -11,7 +11,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 namespace tessera {
@@ -48,10 +47,6 @@ bool is_writable(const std::filesystem::path& file);
 
 // Whether the system keeps the last name of the path for a device, as Windows does NUL and con.txt.
 bool is_reserved(const std::filesystem::path& file);
-
-// Names of what a folder holds, in any order. std::filesystem with mingw-w64 would list the current
-// folder instead of one whose path has more than 260 characters.
-std::vector<std::string> names_in(const std::filesystem::path& folder, std::error_code& error);
 
 struct FileStamp {
     std::uint64_t size = 0;                    // bytes

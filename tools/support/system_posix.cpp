@@ -107,14 +107,6 @@ bool is_reserved(const std::filesystem::path&) {
     return false;
 }
 
-std::vector<std::string> names_in(const std::filesystem::path& folder, std::error_code& error) {
-    std::vector<std::string> names;
-    for (std::filesystem::directory_iterator i(folder, error), end; !error && i != end;
-         i.increment(error))
-        names.push_back(i->path().filename().string());
-    return names;
-}
-
 std::optional<FileStamp> stamp_of(const std::filesystem::path& file) {
     struct stat info = {};
     if (::stat(file.c_str(), &info) != 0 || !S_ISREG(info.st_mode))

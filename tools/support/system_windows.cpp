@@ -138,28 +138,6 @@ bool is_reserved(const std::filesystem::path& file) {
            (is_numbered && name[3] >= '1' && name[3] <= '9');
 }
 
-std::vector<std::string> names_in(const std::filesystem::path& folder, std::error_code& error) {
-    std::vector<std::string> names;
-    const auto set_error = [&](DWORD code) {
-        error.assign(static_cast<int>(code), std::system_category());
-    };
-    error.clear();
-    WIN32_FIND_DATAW found = {};
-    const HANDLE search = FindFirstFileW((folder / "*").c_str(), &found);
-    if (search == INVALID_HANDLE_VALUE) {
-        set_error(GetLastError());
-        return names;
-    }
-    do
-        if (const std::wstring_view name = found.cFileName; name != L"." && name != L"..")
-            names.push_back(utf8_of(name));
-    while (FindNextFileW(search, &found));
-    if (const DWORD code = GetLastError(); code != ERROR_NO_MORE_FILES)
-        set_error(code);
-    FindClose(search);
-    return names;
-}
-
 std::optional<FileStamp> stamp_of(const std::filesystem::path& file) {
     const HANDLE opened = CreateFileW(file.c_str(), FILE_READ_ATTRIBUTES,
                                       FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE,

@@ -3,7 +3,6 @@
 #include "format/work.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/slab_buffer.h"
-#include "tools/support/system.h"
 #include "tools/texture_io/clamped_rows.h"
 #include "tools/texture_io/picture_format.h"
 #include "tools/texture_io/view_motion.h"
@@ -23,7 +22,7 @@ using corpus::PictureShape;
 Result<std::vector<std::string>> list_pictures(const std::string& folder) {
     std::vector<std::string> names;
     std::error_code error;
-    for (std::string& name : names_in(to_path(folder), error))
+    for (std::string& name : names_in(folder, error))
         if (!name.starts_with('.') && picture_kind_of_name(name) != corpus::PictureKind::none)
             names.push_back(std::move(name));
     if (error)

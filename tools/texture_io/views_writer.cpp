@@ -1,7 +1,6 @@
 #include "format/output_file.h"
 #include "format/work.h"
 #include "tools/support/slab_buffer.h"
-#include "tools/support/system.h"
 #include "tools/texture_io/picture_format.h"
 #include "tools/texture_io/view_names.h"
 #include "tools/texture_io/views_io.h"
@@ -28,7 +27,7 @@ Status check_replaceable(const std::string& folder) {
     TESSERA_TRY_ASSIGN(const auto pattern,
                        ViewPattern::parse(kept.empty() ? usual_view_pattern : kept));
     std::string other;
-    const std::vector<std::string> names = names_in(to_path(folder), error);
+    const std::vector<std::string> names = names_in(folder, error);
     for (const std::string& name : names)
         if (name != views_json_name && !pattern.match(name))
             other = name;

@@ -12,6 +12,7 @@
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/support/texture_arguments.h"
+#include "tools/support/warnings.h"
 #include "tools/texture_io/mask_io.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
@@ -36,7 +37,7 @@ struct CompareCommand {
     std::string scene, memory; // scene: baked again as the reference
     std::optional<unsigned> samples;
     std::optional<std::uint64_t> seed;
-    bool no_ssim = false, json = false;
+    bool no_ssim = false, json = false, strict = false;
     std::optional<unsigned> beginnings;
     bool pictures = false; // a and b are folders of pictures
     std::string background, images;
@@ -48,16 +49,17 @@ struct Inputs {
 };
 
 // The hints for the inputs, within the memory budget.
-Result<TextureHints> hints_within_budget(const CompareCommand& a) {
+Result<TextureHints> hints_within_budget(const CompareCommand& a, Warnings& warnings) {
     TESSERA_TRY_ASSIGN(TextureHints hints, make_hints(a.texture));
     TESSERA_TRY_ASSIGN(const auto slab_bytes, slab_budget(a.memory, a.texture.threads));
     hints.decode = within_budget(hints.decode, slab_bytes, 2);
+    hints.warnings = &warnings;
     return hints;
 }
 
 // The scene, which is baked while it is read, and the only file.
-Result<Inputs> open_baked(const CompareCommand& arguments) {
-    TESSERA_TRY_ASSIGN(const auto hints, hints_within_budget(arguments));
+Result<Inputs> open_baked(const CompareCommand& arguments, Warnings& warnings) {
+    TESSERA_TRY_ASSIGN(const auto hints, hints_within_budget(arguments, warnings));
     TESSERA_TRY(check_scene(arguments.scene).with_context("--bake"));
     auto file = open_texture(arguments.a, hints);
     if (!file.ok())
@@ -72,8 +74,8 @@ Result<Inputs> open_baked(const CompareCommand& arguments) {
                   decoders};
 }
 
-Result<Inputs> open_both(const CompareCommand& arguments) {
-    TESSERA_TRY_ASSIGN(const auto hints, hints_within_budget(arguments));
+Result<Inputs> open_both(const CompareCommand& arguments, Warnings& warnings) {
+    TESSERA_TRY_ASSIGN(const auto hints, hints_within_budget(arguments, warnings));
     auto opened = open_two_textures(arguments.a, arguments.b, hints);
     if (!opened.ok())
         return with_partial_hint(with_memory_hint(opened.status()), arguments.a, arguments.b,
@@ -115,7 +117,7 @@ std::string second_name(const CompareCommand& a) {
 }
 
 Json to_json(const CompareCommand& a, const TextureDesc& desc, const Comparison& c,
-             const std::vector<std::string>& missed, double seconds) {
+             const std::vector<std::string>& missed, const Warnings& warnings, double seconds) {
     const ErrorSums& e = c.errors;
     Json json = {{"a", first_name(a)},
                  {"b", second_name(a)},
@@ -153,6 +155,7 @@ Json to_json(const CompareCommand& a, const TextureDesc& desc, const Comparison&
     json["seconds"] = seconds;
     json["passed"] = missed.empty();
     json["missed"] = missed;
+    json["warnings"] = warnings.json();
     return json;
 }
 
@@ -222,8 +225,9 @@ Result<CompareOptions> compare_options(const CompareCommand& a, const TextureDes
 }
 
 // The reference of --beginnings. A raw one has the size of the measured file.
-Result<std::unique_ptr<TexelSource>> open_reference(const CompareCommand& a, ByteSource& measured) {
-    TESSERA_TRY_ASSIGN(auto hints, hints_within_budget(a));
+Result<std::unique_ptr<TexelSource>> open_reference(const CompareCommand& a, ByteSource& measured,
+                                                    Warnings& warnings) {
+    TESSERA_TRY_ASSIGN(auto hints, hints_within_budget(a, warnings));
     const auto reader =
         ContainerReader::open(measured, {.most_head_bytes = hints.decode.most_head_bytes});
     if (!reader.ok())
@@ -248,7 +252,8 @@ Status run_photographs(const CompareCommand& a) {
                                 .min_ssim = a.min_ssim,
                                 .threads = a.texture.threads,
                                 .quiet = a.texture.quiet,
-                                .json = a.json});
+                                .json = a.json,
+                                .strict = a.strict});
 }
 
 // Measures the second texture at beginnings of its file.
@@ -256,7 +261,8 @@ Status run_beginnings(const CompareCommand& a) {
     if (!a.scene.empty() || a.b.empty() || kind_of_input(a.b) != TextureKind::tess)
         return {ErrorCode::bad_argument, "--beginnings needs a reference and a .tess file"};
     TESSERA_TRY_ASSIGN(const auto file, open_bytes(a.b));
-    TESSERA_TRY_ASSIGN(const auto reference, open_reference(a, *file));
+    Warnings warnings(a.strict);
+    TESSERA_TRY_ASSIGN(const auto reference, open_reference(a, *file, warnings));
     Result<std::vector<PrefixPoint>> points = Status();
     {
         Progress progress("tessera compare", a.texture.quiet || a.json);
@@ -266,8 +272,10 @@ Status run_beginnings(const CompareCommand& a) {
         points = prefix_curve(*reference, *file, *a.beginnings, options);
     }
     TESSERA_TRY(points);
+    warnings.print("compare");
     if (a.json) {
-        Json json = {{"a", a.a}, {"b", a.b}, {"beginnings", Json::array()}};
+        Json json = {
+            {"a", a.a}, {"b", a.b}, {"beginnings", Json::array()}, {"warnings", warnings.json()}};
         for (const PrefixPoint& p : *points)
             json["beginnings"].push_back({{"bytes", p.bytes},
                                           {"psnr", decibels_or_null(p.psnr)},
@@ -291,7 +299,9 @@ Status run(const CompareCommand& a) {
     const auto start = std::chrono::steady_clock::now();
     if (a.scene.empty() == a.b.empty())
         return {ErrorCode::bad_argument, "needs two textures, or one and --bake SCENE"};
-    TESSERA_TRY_ASSIGN(const auto inputs, a.scene.empty() ? open_both(a) : open_baked(a));
+    Warnings warnings(a.strict);
+    TESSERA_TRY_ASSIGN(const auto inputs,
+                       a.scene.empty() ? open_both(a, warnings) : open_baked(a, warnings));
     Result<Comparison> comparison = Status();
     {
         Progress progress("tessera compare", a.texture.quiet);
@@ -309,8 +319,9 @@ Status run(const CompareCommand& a) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const TextureDesc& desc = inputs.a->desc();
     const auto missed = missed_thresholds(a, *comparison);
+    warnings.print("compare");
     if (a.json) {
-        Json json = to_json(a, desc, *comparison, missed, seconds.count());
+        Json json = to_json(a, desc, *comparison, missed, warnings, seconds.count());
         for (const Decoder* decoder : inputs.decoders)
             if (a.texture.decode.allow_partial || a.texture.decode.allow_damaged)
                 json["filled"].push_back(fill_json(*decoder));
@@ -350,6 +361,7 @@ void declare(CLI::App& c, CompareCommand& a) {
     c.add_flag("--no-ssim", a.no_ssim, "Do not compute SSIM")->excludes(ssim)->option_text(" ");
     add_memory_option(c, a.memory);
     c.add_flag("--json", a.json, "Print JSON");
+    c.add_flag("--strict", a.strict, "Make warnings about pictures and photographs errors");
     add_fill_options(c, a.texture.decode);
     constexpr const char* parts_heading = "Comparing parts";
     OptionGroup parts(c, parts_heading);

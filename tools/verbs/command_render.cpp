@@ -28,7 +28,7 @@ struct RenderCommand {
     ViewRequest views;
     TextureArguments texture; // threads and quiet
     std::string sheet, pixel_filter;
-    bool json = false, write_all = false, log = false, frames = false;
+    bool json = false, write_all = false, log = false, frames = false, strict = false;
 
     // Reading over a network is slow, so it shows what it does.
     bool logs() const { return !json && (log || (is_url(stage.file) && !texture.quiet)); }
@@ -141,7 +141,7 @@ Json to_json(const DrawnFrame& frame) {
 }
 
 void report_json(const RenderCommand& a, const Stage& stage, const std::vector<PlannedView>& plan,
-                 const std::vector<DrawnView>& views) {
+                 const std::vector<DrawnView>& views, const Warnings& warnings) {
     Json json = {{"size", to_string(stage.desc.size)}, {"via", a.stage.via}};
     if (a.stage.file.empty())
         json["scene"] = a.stage.scene;
@@ -170,6 +170,7 @@ void report_json(const RenderCommand& a, const Stage& stage, const std::vector<P
         view.update(to_json(views[i].figures));
         json["views"].push_back(view);
     }
+    json["warnings"] = warnings.json();
     print_json(json);
 }
 
@@ -223,7 +224,7 @@ Result<std::vector<PlannedView>> plan_all(const RenderCommand& a, Warnings& warn
 }
 
 Status run(const RenderCommand& a) {
-    Warnings warnings(false);
+    Warnings warnings(a.strict);
     TESSERA_TRY_ASSIGN(auto plan, plan_all(a, warnings));
     TESSERA_TRY(check_outputs(a, plan));
     TESSERA_TRY(check_device(a, plan));
@@ -286,7 +287,7 @@ Status run(const RenderCommand& a) {
     if (!a.sheet.empty())
         TESSERA_TRY(write_sheet(a.sheet, views));
     if (a.json)
-        report_json(a, stage, plan, views);
+        report_json(a, stage, plan, views, warnings);
     else if (!a.texture.quiet)
         report_text(stage, plan, views);
     return {};
@@ -400,6 +401,7 @@ void declare(CLI::App& c, RenderCommand& a) {
         ->option_text("UxVxSxT");
     add_fill_options(c, r.decode);
     c.add_flag("--json", a.json, "Print JSON");
+    c.add_flag("--strict", a.strict, "Make warnings about the photographs of --cameras errors");
     add_threads_options(c, a.texture);
     declare_camera(c, a);
     declare_renderer(c, a);

@@ -7,7 +7,6 @@
 #include "tools/support/json_text.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
-#include "tools/support/system.h"
 #include "tools/support/warnings.h"
 #include "tools/verbs/photograph_figures.h"
 
@@ -24,10 +23,10 @@ using corpus::PhotoPixels;
 using corpus::PosedPhotograph;
 
 // A picture without a camera.
-Result<PosedPhotograph> plain_photograph(const fs::path& path) {
+Result<PosedPhotograph> plain_photograph(const std::string& folder, const std::string& name) {
     PosedPhotograph photograph;
-    photograph.name = path.filename().string();
-    photograph.path = path.string();
+    photograph.name = name;
+    photograph.path = folder + "/" + name;
     TESSERA_TRY_ASSIGN(const auto file, open_file(photograph.path));
     TESSERA_TRY_ASSIGN(const auto picture, corpus::open_picture_file(*file));
     photograph.exif = corpus::Exif::followed;
@@ -38,19 +37,19 @@ Result<PosedPhotograph> plain_photograph(const fs::path& path) {
 
 // All pictures of the folder, by name.
 Result<std::vector<PosedPhotograph>> photographs_in(const std::string& folder) {
-    std::vector<fs::path> paths;
     std::error_code failed;
-    for (const std::string& name : names_in(to_path(folder), failed))
-        if (corpus::is_picture_suffix(to_path(name).extension().string()))
-            paths.push_back(fs::path(folder) / name);
+    std::vector<std::string> names = names_in(folder, failed);
+    std::erase_if(names, [](const std::string& name) {
+        return !corpus::is_picture_suffix(to_path(name).extension().string());
+    });
     if (failed)
         return Status(ErrorCode::io, folder + ": " + failed.message());
-    if (paths.empty())
+    if (names.empty())
         return Status(ErrorCode::bad_argument, folder + ": has no pictures");
-    std::ranges::sort(paths);
+    std::ranges::sort(names);
     std::vector<PosedPhotograph> photographs;
-    for (const fs::path& path : paths) {
-        TESSERA_TRY_ASSIGN(photographs.emplace_back(), plain_photograph(path));
+    for (const std::string& name : names) {
+        TESSERA_TRY_ASSIGN(photographs.emplace_back(), plain_photograph(folder, name));
     }
     return photographs;
 }
@@ -67,14 +66,14 @@ Result<std::vector<PosedPhotograph>> photographs_of(const PhotographComparison& 
 
 bool is_regular(const std::string& path) {
     std::error_code none;
-    return fs::is_regular_file(path, none);
+    return fs::is_regular_file(to_path(path), none);
 }
 
 // The drawn picture of the photograph with this short name.
 Result<PosedPhotograph> drawn_picture(const std::string& folder, const std::string& name) {
     for (const char* suffix : {".png", ".exr", ".jpg", ".webp", ".tif"})
         if (const std::string path = folder + "/" + name + suffix; is_regular(path))
-            return plain_photograph(path);
+            return plain_photograph(folder, name + suffix);
     return Status(ErrorCode::difference, folder + "/" + name + ".png: does not exist");
 }
 
@@ -105,7 +104,7 @@ Json json_or_null(const std::optional<double>& value) {
 
 Json photographs_json(const PhotographComparison& a, const PhotographFigures& figures,
                       const std::vector<ComparedPhotograph>& photographs,
-                      const std::vector<std::string>& missed) {
+                      const std::vector<std::string>& missed, const Warnings& warnings) {
     Json json = {{"photographs", a.photographs},
                  {"drawn", a.drawn},
                  {"psnr", figures.psnr},
@@ -119,6 +118,7 @@ Json photographs_json(const PhotographComparison& a, const PhotographFigures& fi
                                     {"pixels", photograph.weight}});
     json["passed"] = missed.empty();
     json["missed"] = missed;
+    json["warnings"] = warnings.json();
     return json;
 }
 
@@ -139,12 +139,12 @@ std::vector<std::string> missed_means(const PhotographComparison& a,
 bool are_photographs(const std::string& a, const std::string& b) {
     std::error_code none;
     return corpus::is_photograph_set(a) &&
-           (fs::is_directory(b, none) || !fs::is_directory(a, none));
+           (fs::is_directory(to_path(b), none) || !fs::is_directory(to_path(a), none));
 }
 
 Status compare_photographs(const PhotographComparison& a) {
     TESSERA_TRY_ASSIGN(const glm::dvec3 background, parse_background(a.background));
-    Warnings warnings(false);
+    Warnings warnings(a.strict);
     TESSERA_TRY_ASSIGN(const auto photographs, photographs_of(a, warnings));
     const std::vector<std::string> names = corpus::names_of(photographs);
     std::vector<ComparedPhotograph> compared(names.size());
@@ -170,7 +170,7 @@ Status compare_photographs(const PhotographComparison& a) {
     const auto missed = missed_means(a, figures);
     warnings.print("compare");
     if (a.json)
-        print_json(photographs_json(a, figures, compared, missed));
+        print_json(photographs_json(a, figures, compared, missed, warnings));
     else if (!a.quiet)
         print_photographs("photograph", figures, compared);
     if (missed.empty())

@@ -16,7 +16,7 @@ struct PhotographComparison {
     std::string background; // "R,G,B" in 0..1, white or black; empty: black
     std::optional<double> min_psnr, min_ssim; // of the means
     unsigned threads = 0;
-    bool quiet = false, json = false;
+    bool quiet = false, json = false, strict = false; // strict: warnings are errors
 };
 
 // Whether the arguments of the verb are a description of photographs and a folder, and not textures.

@@ -30,11 +30,11 @@ struct CodedLayers {
 
 // At most one is set; otherwise the quality is the usual one.
 struct LayerRate {
-    std::optional<double> quality;
-    std::optional<std::uint64_t> most_bytes; // of the file
-    std::optional<double> most_bits;         // of the file per texel of all layers
-    std::optional<double> least_psnr;        // CodedLayers::sum_psnr
-    std::optional<double> most_error;        // of a sample of a layer; 0: lossless
+    std::optional<double> quality = {};
+    std::optional<std::uint64_t> most_bytes = {}; // of the file
+    std::optional<double> most_bits = {};         // of the file per texel of all layers
+    std::optional<double> least_psnr = {};        // CodedLayers::sum_psnr
+    std::optional<double> most_error = {};        // of a sample of a layer; 0: lossless
 };
 LayerRate rate_of_layers(const EncodeArguments& arguments);
 

@@ -1,14 +1,12 @@
+#include "format/output_file.h"
 #include "tools/support/parse.h"
 #include "tools/view/render_views.h"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 namespace tessera {
 namespace {
-
-namespace fs = std::filesystem;
 
 // The photograph's camera for a picture of `scale` times its size.
 Result<corpus::PhotoCamera> scaled_camera(const corpus::PhotoCamera& camera, double scale) {
@@ -25,12 +23,11 @@ Result<corpus::PhotoCamera> scaled_camera(const corpus::PhotoCamera& camera, dou
 
 // "views" -> "views/left/r_0.png"; "out.png" -> "out-left-r_0.png".
 std::string output_of(const std::string& output, std::string name) {
-    const fs::path path(output);
-    const std::string ending = path.extension().string();
+    const std::string ending = to_path(output).extension().string();
     if (ending != ".png" && ending != ".exr")
-        return (path / (name + ".png")).string();
+        return output + (output.ends_with('/') ? "" : "/") + name + ".png";
     std::ranges::replace(name, '/', '-');
-    return (path.parent_path() / (path.stem().string() + "-" + name + ending)).string();
+    return output.substr(0, output.size() - ending.size()) + "-" + name + ending;
 }
 
 } // namespace
