@@ -34,9 +34,10 @@ void CopySearch::begin_tile(CellGrids& grids) {
 }
 
 // Above cells that may copy from other views. Without base pictures, cells of more than two views
-// an axis hardly ever copy.
+// an axis hardly ever copy, if cells of all other sizes are tried.
 int CopySearch::fewest_angular_splits(const CellGrids& grids) const {
-    return coding_->parameters.base.on ? 1 : std::max(1, grids.angular_depths() - 1);
+    const bool tries_all = coding_->parameters.base.on || options_.grids != ~std::uint64_t{0};
+    return tries_all ? 1 : std::max(1, grids.angular_depths() - 1);
 }
 
 void CopySearch::try_views(TileSearch& tile, const TilePlanes& reconstructed) {
