@@ -15,7 +15,7 @@ constexpr float base_copy_bits = 8.0f; // with the displacement
 constexpr float hopeless_cost = 1.5f;
 // A copy along one direction with so many times the error of the other is not tried.
 constexpr float hopeless_error = 2.0f;
-constexpr int most_base_splits = 3; // angular ones, above blocks that copy the base picture
+constexpr int most_base_splits = 2; // angular ones, above blocks that copy the base picture
 
 float squared(float x) {
     return x * x;
@@ -33,13 +33,20 @@ void CopySearch::begin_tile(CellGrids& grids) {
     }
 }
 
+// Above cells that may copy from other views. Without base pictures, cells of more than two views
+// an axis hardly ever copy, if cells of all other sizes are tried.
+int CopySearch::fewest_angular_splits(const CellGrids& grids) const {
+    const bool tries_all = coding_->parameters.base.on || options_.grids != ~std::uint64_t{0};
+    return tries_all ? 1 : std::max(1, grids.angular_depths() - 1);
+}
+
 void CopySearch::try_views(TileSearch& tile, const TilePlanes& reconstructed) {
     CellGrids& grids = tile.grids;
     displacements_.begin(tile.source.shape(), tile.source.plane(0), reconstructed.plane[0],
                          tile.source.codes(), coding_->parameters.smooth_copies);
     matches_.resize(grids.angular_depths() + 1);
     // Single views first, because they tell best which displacements are likely.
-    for (int a = grids.angular_depths(); a >= 1; --a)
+    for (int a = grids.angular_depths(); a >= fewest_angular_splits(grids); --a)
         try_views(tile, a, reconstructed);
     has_matches_ = options_.copies.likely != 0; // otherwise every round searches in full
     if (coding_->parameters.base.on)

@@ -42,6 +42,7 @@ private:
     using Matches = std::array<DisplacementSearch::Matches, copy_directions>;
 
     void try_views(TileSearch& tile, int angular, const TilePlanes& reconstructed);
+    int fewest_angular_splits(const CellGrids& grids) const;
     void match(TileSearch& tile, int angular, Matches& matches);
     void try_views(TileSearch& tile, CellGrid& grid, const Cell& cell,
                    const std::array<Match, copy_directions>& matches,

@@ -96,6 +96,14 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     return settings;
 }
 
+PictureSearch EffortSettings::quick_pictures() const {
+    PictureSearch quick = pictures;
+    quick.coded_modes = std::min(quick.coded_modes, 1);
+    quick.transform_modes = 0;
+    quick.halves = quick.quarters = false;
+    return quick;
+}
+
 EffortSettings EffortSettings::for_samples() const {
     EffortSettings settings = *this;
     settings.refinements = 0;

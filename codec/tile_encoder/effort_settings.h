@@ -39,6 +39,9 @@ struct EffortSettings {
     PictureSearch pictures;
     int refinements = 1; // rounds of splitting and merging at real costs
 
+    // For base pictures that are coded again in a later round.
+    PictureSearch quick_pictures() const;
+
     // Precondition: effort is 0..most_effort (codec/encoder.h).
     static EffortSettings of(int effort, const ToolSwitches& tools = {});
     // For passes over a sample, which choose tables and tools for the file and refine nothing.

@@ -66,7 +66,7 @@ PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom fre
         if (node.cost < most)
             best = std::move(node);
     };
-    const PictureSearch& options = settings_.pictures;
+    const PictureSearch& options = pictures_;
     const bool can_halve_u = n[0] >= 2 * smallest_side, can_halve_v = n[1] >= 2 * smallest_side;
     if (!best.levels.nonzeros.empty() && freedom != Freedom::none) {
         const bool is_whole = freedom == Freedom::all;
@@ -93,7 +93,7 @@ PictureEncoder::Node PictureEncoder::encode_whole(const Block& block) {
     const ColourMemory colours = blocks_.memory;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
         BlockPrediction prediction = from_border(candidates_[i].mode);
-        const bool tries_sines = static_cast<int>(i) < settings_.pictures.transform_modes &&
+        const bool tries_sines = static_cast<int>(i) < pictures_.transform_modes &&
                                  transform_context(prediction.mode, block.shape) >= 0;
         offer(block, prediction, {&slots_[candidates_[i].slot], candidates_[i].estimate}, best);
         for (int plane = 0; tries_sines && plane < coding_.planes; ++plane)
@@ -188,7 +188,7 @@ void PictureEncoder::compare_luma(const Block& block) {
     slots_.resize(kept_of_luma + 1);
     of_luma_.clear();
     std::size_t free_slot = 0;
-    const PictureSearch& options = settings_.pictures;
+    const PictureSearch& options = pictures_;
     const int modes = borders_.empty()     ? mode_none + 1
                       : options.directions ? border_mode_count
                                            : mode_first_direction;
@@ -217,7 +217,7 @@ void PictureEncoder::compare_luma(const Block& block) {
 // Finds the modes in which the block is coded, by estimates.
 void PictureEncoder::find_candidates(const Block& block) {
     borders_.clear();
-    if (settings_.pictures.borders && (block.origin[0] > 0 || block.origin[1] > 0)) {
+    if (pictures_.borders && (block.origin[0] > 0 || block.origin[1] > 0)) {
         const BorderReach reach = border_reach(block, decoded_.shape, decoded_.done);
         for (int plane = 0; plane < coding_.planes; ++plane)
             borders_.emplace_back(block, decoded_.shape, reach,
@@ -225,7 +225,7 @@ void PictureEncoder::find_candidates(const Block& block) {
     }
     compare_luma(block);
     candidates_.clear();
-    const auto wanted = static_cast<std::size_t>(settings_.pictures.coded_modes);
+    const auto wanted = static_cast<std::size_t>(pictures_.coded_modes);
     for (Candidate candidate : of_luma_) {
         // Other planes cost at least 0, and later candidates cost more in luma.
         if (candidates_.size() == wanted && candidate.cost >= candidates_.back().cost)

@@ -16,10 +16,10 @@ class PictureEncoder {
 public:
     // All outlive this. `search` has the picture. `decoded` becomes what the decoder will have.
     PictureEncoder(const TileCoding& coding, const BitCosts& costs, const EffortSettings& settings,
-                   BlockSearch& search, BlockEncoder& blocks, ReconstructScratch& scratch,
-                   TilePlanes& decoded)
-        : coding_(coding), costs_(costs), settings_(settings), search_(search), blocks_(blocks),
-          scratch_(scratch), decoded_(decoded) {}
+                   const PictureSearch& pictures, BlockSearch& search, BlockEncoder& blocks,
+                   ReconstructScratch& scratch, TilePlanes& decoded)
+        : coding_(coding), costs_(costs), settings_(settings), pictures_(pictures), search_(search),
+          blocks_(blocks), scratch_(scratch), decoded_(decoded) {}
 
     // Replaces the levels. Returns their cost: squared steps, plus lambda for every bit.
     float encode(const Block& root, TileLevels& out);
@@ -71,6 +71,7 @@ private:
     const TileCoding& coding_;
     const BitCosts& costs_;
     const EffortSettings& settings_;
+    const PictureSearch& pictures_;
     BlockSearch& search_;
     BlockEncoder& blocks_;
     ReconstructScratch& scratch_;

@@ -43,6 +43,11 @@ bool TileEncoder::take_decoded(std::vector<std::byte>& texels) {
 void TileEncoder::encode_as(const TileTexels& tile, const TileLevels& known, TileLevels& out) {
     has_decoded_ = false;
     fill_planes(tile, known.shape);
+    encode_again(known, out);
+}
+
+// Encodes planes_ with the blocks, copies and colours of `known`.
+void TileEncoder::encode_again(const TileLevels& known, TileLevels& out) {
     tree_.search.set_tile(planes_);
     balanced_.resize(known.shape, coding_->planes);
     if (known.base_blocks > 0) {
@@ -83,7 +88,7 @@ void TileEncoder::fill_planes(const TileTexels& tile, const BlockShape& shape) {
 
 // Encodes the tile with its masked texels filled and, unless these are all alike, as they are: they
 // may continue their neighbours as no fill can guess. The cheaper one is encoded again with masked
-// texels as it decodes them.
+// texels as it decodes them. Its blocks stay, because a search for others saves nothing.
 void TileEncoder::encode_masked(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
     planes_from_texels(tile.texels, *colour_, shape, planes_);
     dont_care_.set(tile.matters, shape);
@@ -103,7 +108,12 @@ void TileEncoder::encode_masked(const TileTexels& tile, const BlockShape& shape,
     for (int round = 0; round < projections; ++round) {
         tree_.reconstruct(out);
         dont_care_.project(tree_.decoded, planes_, coding_->planes);
-        encode_planes(out);
+        if (moves_levels()) { // level_balance_ has to know the blocks
+            encode_planes(out);
+            continue;
+        }
+        encode_again(out, copies_);
+        std::swap(out, copies_);
     }
 }
 
@@ -118,7 +128,7 @@ float TileEncoder::encode_taken(bool is_whole, TileLevels& out) {
     const bool copies = coding_->predicts && settings_->search.copies.along != 0;
     if (copies && is_picture(planes_.shape)) {
         tree_.begin_tile(false, true);
-        return tree_.encode_picture({.shape = planes_.shape}, out);
+        return tree_.encode_picture({.shape = planes_.shape}, settings_->pictures, out);
     }
     tree_.begin_tile(copies, copies || !is_whole);
     tree_.search.choose_blocks(out);
@@ -166,11 +176,13 @@ void TileEncoder::try_base(TileLevels& out, float& cost) {
     decoded.base = picture_.plane;
     tree_.search.find_displacements(decoded, displacements);
     CodedBase kept;
-    for (int round = 0; round < std::min(settings_->copy_rounds, most_base_rounds); ++round) {
+    const int rounds = std::min(settings_->copy_rounds, most_base_rounds);
+    for (int round = 0; round < rounds; ++round) {
+        const bool is_last = round + 1 == rounds;
         if (round > 0) // views that copy the base picture are better to copy from
             tree_.search.choose_copies(decoded, copies_);
         make_picture();
-        encode_base(picture_);
+        encode_base(picture_, is_last ? settings_->pictures : settings_->quick_pictures());
         if (!tree_.search.choose_base_copies(decoded, copies_) ||
             copies_.blocks.size() + base.levels.blocks.size() > max_leaves)
             break;
@@ -188,11 +200,11 @@ void TileEncoder::try_base(TileLevels& out, float& cost) {
 }
 
 // Codes a base picture and puts it into tree_.decoded.
-void TileEncoder::encode_base(const TilePlanes& picture) {
+void TileEncoder::encode_base(const TilePlanes& picture, const PictureSearch& search) {
     CodedBase& base = tree_.base;
     base_tree_.search.set_tile(picture);
     base_tree_.begin_tile(false, true);
-    base_tree_.encode_picture(base_root(picture.shape), base.levels);
+    base_tree_.encode_picture(base_root(picture.shape), search, base.levels);
     base_bytes_.clear();
     encode_levels(base.levels, {}, *coding_, base_bytes_);
     base.cost = settings_->quantizer.lambda * 8 * static_cast<float>(base_bytes_.size());
@@ -214,7 +226,7 @@ void TileEncoder::balance(const TileTexels& tile, TileLevels& out) {
     tree_.reconstruct(out);
     Means error = meter_.error(tile, tree_.decoded);
     has_decoded_ = true;
-    if (!coding_->parameters.dependent && !coding_->predicts) {
+    if (moves_levels()) {
         for (int round = 0; round < level_rounds && largest_of(error) > balanced_mean; ++round)
             if (!balance_levels(tile, error, out))
                 return;

@@ -43,12 +43,15 @@ public:
 private:
     void take_whole(const TileTexels& tile, const BlockShape& shape);
     void fill_planes(const TileTexels& tile, const BlockShape& shape);
+    void encode_again(const TileLevels& known, TileLevels& out);
     void encode_masked(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
     float encode_planes(TileLevels& out);
     float encode_taken(bool is_whole, TileLevels& out);
     void try_base(TileLevels& out, float& cost);
-    void encode_base(const TilePlanes& picture);
+    void encode_base(const TilePlanes& picture, const PictureSearch& search);
     void decode_base();
+    // Whether the mean is balanced by moving first levels. Otherwise tiles are coded again.
+    bool moves_levels() const { return !coding_->parameters.dependent && !coding_->predicts; }
     void balance(const TileTexels& tile, TileLevels& out);
     bool balance_levels(const TileTexels& tile, Means& error, TileLevels& out);
     void balance_again(const TileTexels& tile, Means& error, double gain, TileLevels& out);

@@ -99,8 +99,10 @@ float TreeEncoder::encode_best(const Block& block, BlockPrediction& prediction) 
     return copied;
 }
 
-float TreeEncoder::encode_picture(const Block& root, TileLevels& out) {
-    return PictureEncoder(*coding_, *costs_, *settings_, search, blocks_, scratch_, decoded)
+float TreeEncoder::encode_picture(const Block& root, const PictureSearch& pictures,
+                                  TileLevels& out) {
+    return PictureEncoder(*coding_, *costs_, *settings_, pictures, search, blocks_, scratch_,
+                          decoded)
         .encode(root, out);
 }
 

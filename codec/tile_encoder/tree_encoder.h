@@ -41,7 +41,7 @@ public:
     float encode_copies(TileLevels& out) { return encode_copies(out, nullptr); }
     // Replaces the levels of a picture by those of a tree that is searched here, in which blocks are
     // predicted from their borders. Leaves the picture in `decoded`. Returns its cost.
-    float encode_picture(const Block& root, TileLevels& out);
+    float encode_picture(const Block& root, const PictureSearch& pictures, TileLevels& out);
     // Codes each block's quarters and each parent of leaves beside it, and edits the tree where
     // these cost less. False if nothing is gained.
     bool refine(TileLevels& out, float& cost);

@@ -14,7 +14,7 @@ namespace tessera {
 namespace {
 
 // Tiles that trials of base pictures encode again; fewer of large tiles, but at least two.
-constexpr std::uint64_t tiles_for_bases = 8;
+constexpr std::uint64_t tiles_for_bases = 4;
 // Base pictures, and wider margins, that gain less than this share are not worth their encoding
 // time.
 constexpr double least_gain = 0.01;
@@ -126,6 +126,8 @@ Result<CodingParameters> FileChoices::prepare(CodingParameters parameters) {
         return parameters;
     EncodePlan plan = plan_;
     plan.effort = plan.effort.for_samples();
+    if (can_have_base_pictures(plan)) // one round tells enough, and a second takes as long
+        plan.effort.copy_rounds = 1;
     if (is_decided() && !plan.effort.try_dense && !plan.colour.corrections) {
         TESSERA_TRY_ASSIGN(const Statistics counts, count_symbols(plan, parameters, sample_));
         tables_ = parameters.parameters = fit_parameters(counts, parameters.defaults);

@@ -5,6 +5,7 @@
 #include "codec/reconstruct/tile_decoder.h"
 #include "tests/support/random.h"
 
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -31,6 +32,23 @@ TileTexels moving_waves(double grey, double height) {
     return tile;
 }
 
+// Noise that moves by a texel per view.
+TileTexels moving_noise() {
+    test::Random random(5);
+    std::array<std::byte, 32 * 32> noise;
+    for (std::byte& texel : noise)
+        texel = static_cast<std::byte>(std::lround(255 * random.unit()));
+    TileTexels tile;
+    const auto& n = parallax_shape.n;
+    for (int v = 0; v < n[1]; ++v)
+        for (int u = 0; u < n[0]; ++u)
+            for (int t = 0; t < n[3]; ++t)
+                for (int s = 0; s < n[2]; ++s)
+                    tile.texels.insert(tile.texels.end(), 3,
+                                       noise[static_cast<std::size_t>((v + t) * 32 + u + s)]);
+    return tile;
+}
+
 // A flat tile skips the search for copies, so results of the tile before must not remain.
 TEST(TileEncoder, IsIndependentOfThePreviousTile) {
     const TextureDesc desc{{24, 24, 5, 5}, SampleType::unorm8, 3};
@@ -50,6 +68,42 @@ TEST(TileEncoder, IsIndependentOfThePreviousTile) {
     fresh.encode(moving_waves(140, 0), parallax_shape, expected);
     ASSERT_FALSE(expected.nonzeros.empty());
     EXPECT_EQ(flat, expected);
+}
+
+// Without base pictures only cells of one or two views an axis may copy.
+TEST(TileEncoder, LargeCellsDoNotCopyWithoutBasePictures) {
+    const TextureDesc desc{{24, 24, 5, 5}, SampleType::unorm8, 3};
+    const EffortSettings settings = EffortSettings::of(3).for_samples();
+    ColourCoding colour;
+    colour.desc = desc;
+    colour.transform = ColourTransform::ycocg_r;
+    CodingParameters parameters = parameters_for_step(24, desc, settings);
+    parameters.prediction = true;
+    const TileCoding coding(parameters, desc.type, desc.channels);
+    const BitCosts costs(coding.tables);
+    TileEncoder encoder(coding, costs, colour, settings);
+    TileLevels levels;
+    encoder.encode(moving_noise(), parallax_shape, levels);
+    bool copies = false;
+    for (std::size_t i = 0; i < levels.predictions.size(); ++i) {
+        if (!levels.predictions[i].copies())
+            continue;
+        copies = true;
+        EXPECT_LE(levels.blocks[i].shape.n[2], 2);
+        EXPECT_LE(levels.blocks[i].shape.n[3], 2);
+    }
+    EXPECT_TRUE(copies);
+}
+
+TEST(TileEncoder, EarlyRoundsSearchBasePicturesQuickly) {
+    const PictureSearch whole = EffortSettings::of(4).pictures;
+    const PictureSearch quick = EffortSettings::of(4).quick_pictures();
+    EXPECT_TRUE(whole.halves && whole.quarters && whole.coded_modes > 1);
+    EXPECT_EQ(quick.coded_modes, 1);
+    EXPECT_EQ(quick.transform_modes, 0);
+    EXPECT_FALSE(quick.halves || quick.quarters);
+    EXPECT_TRUE(quick.borders && quick.planar && quick.directions);
+    EXPECT_EQ(EffortSettings::of(0).quick_pictures().coded_modes, 0);
 }
 
 // A block without luma has no symbol for its transform, so it must have cosines.
