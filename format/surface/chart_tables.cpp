@@ -45,12 +45,15 @@ public:
 
     // `chart_of` has the charts of all triangles before.
     ChartGuess guess(std::uint32_t triangle, std::span<const std::uint32_t> chart_of) const {
-        std::array<std::uint32_t, 3> neighbours;
+        std::array<std::uint32_t, 3> neighbours{}; // the latest first
         std::size_t found = 0;
         for (std::size_t k = 0; k < 3; ++k)
-            if (const auto it = edges_.find(edge(triangle, (k + 1) % 3, k)); it != edges_.end())
-                neighbours[found++] = it->second;
-        std::sort(neighbours.begin(), neighbours.begin() + found, std::greater<>());
+            if (const auto it = edges_.find(edge(triangle, (k + 1) % 3, k)); it != edges_.end()) {
+                std::size_t place = found++;
+                for (; place > 0 && neighbours[place - 1] < it->second; --place)
+                    neighbours[place] = neighbours[place - 1];
+                neighbours[place] = it->second;
+            }
         ChartGuess out;
         for (std::size_t i = 0; i < found; ++i) {
             const std::uint32_t chart = chart_of[neighbours[i]];
