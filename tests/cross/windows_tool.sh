@@ -113,7 +113,7 @@ check "photographs in a long path" windows fit "${long}wall" "${fit[@]}" -o far_
 check "they are drawn" windows render far_wall.tess --cameras "${long}wall" -q -o "${long}drawn"
 check "the same pictures by both paths" diff -r 'drawn €' "${long}drawn"
 check "photographs are compared" windows compare "${long}wall" "${long}drawn"
-check "pictures are compared" windows compare 'drawn €' "\${long}drawn" --pictures --min-psnr 99
+check "pictures are compared" windows compare 'drawn €' "${long}drawn" --pictures --min-psnr 99
 
 # An encode that is killed goes on where it was, and gives the same bytes.
 long_encode=(encode big.exr --effort 4 --tile 16x16x9x9 --threads 1 -q)

@@ -138,7 +138,7 @@ const tests = {
         assert.match(await browser.note(), /^The reflection layer cannot be shown: .*checksum/);
         await browser.open(`file://${inFolder('lit.html')}${hash(views[0]).replace('#', '#cache=0.3&')}`);
         assert(hasContent(await browser.picture()));
-        assert.match(await browser.note(), /^The normal layer cannot be shown: .* 314.6 kB of GPU memory/);
+        assert.match(await browser.note(), /^The roughness layer cannot be shown: .* 314.6 kB of GPU memory/);
         file[file.indexOf('LAYR') + 4] ^= 1; // its checksum
         withFile('damaged.html', file);
         await browser.open(`file://${inFolder('damaged.html')}${hash(views[0])}`);

@@ -44,8 +44,9 @@ usual_views() {
 }
 
 helmet=$assets/models/FlightHelmet/FlightHelmet.gltf
-for bytes in 260000 320000 400000 480000; do
-    bake "helmet-$bytes" "$helmet" --layered --texels 1300000 --target-bytes $bytes
+for rate in 240000:700000 320000:1000000 400000:1200000 480000:1500000; do
+    bytes=${rate%:*}
+    bake "helmet-$bytes" "$helmet" --layered --texels "${rate#*:}" --target-bytes "$bytes"
     helmet_views "helmet-$bytes"
 done
 # A plain picture on the same mesh: what other viewers show, the mean over all directions.
