@@ -16,14 +16,24 @@ constexpr std::uint64_t most_mesh_bytes = std::uint64_t{1} << 33;
 
 using Corners = std::array<glm::dvec3, 3>;
 
+// The triangles without their uv. Vertices of no triangle are left out: they may be anywhere, and
+// positions are rounded over the box around all vertices.
 SurfaceMesh mesh_of(const Model& model) {
     SurfaceMesh mesh;
-    for (const ModelVertex& vertex : model.vertices) {
-        mesh.positions.push_back(vertex.position);
-        mesh.normals.push_back(vertex.normal);
+    constexpr std::uint32_t unused = UINT32_MAX;
+    std::vector<std::uint32_t> numbers(model.vertices.size(), unused);
+    for (const ModelTriangle& triangle : model.triangles) {
+        std::array<std::uint32_t, 3>& corners = mesh.triangles.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t vertex = triangle.vertices[k];
+            if (numbers[vertex] == unused) {
+                numbers[vertex] = static_cast<std::uint32_t>(mesh.positions.size());
+                mesh.positions.push_back(model.vertices[vertex].position);
+                mesh.normals.push_back(model.vertices[vertex].normal);
+            }
+            corners[k] = numbers[vertex];
+        }
     }
-    for (const ModelTriangle& triangle : model.triangles)
-        mesh.triangles.push_back(triangle.vertices);
     return mesh;
 }
 
@@ -42,19 +52,23 @@ public:
             cells_[cell_of(middle(corners_of(i)))].push_back(i);
     }
 
-    // Nothing if there is no such triangle. Of several at the same place, each is found once.
+    // Nothing if there is no such triangle. Of several at the same place, each is found once. Where
+    // thousands are as small as the rounding, any one that fits will do.
     std::optional<MatchedTriangle> find(const Corners& corners) {
         const Cell cell = cell_of(middle(corners));
         double least = 3.0 * reach_ * reach_;
         std::optional<MatchedTriangle> best;
         bool best_is_new = false;
+        std::size_t tried = 0;
         for (std::int64_t z = -1; z <= 1; ++z)
             for (std::int64_t y = -1; y <= 1; ++y)
                 for (std::int64_t x = -1; x <= 1; ++x) {
                     const auto it = cells_.find({cell[0] + x, cell[1] + y, cell[2] + z});
                     if (it == cells_.end())
                         continue;
-                    for (const std::uint32_t candidate : it->second)
+                    for (const std::uint32_t candidate : it->second) {
+                        if (++tried > most_tried && best)
+                            break;
                         for (std::uint32_t turn = 0; turn < 3; ++turn) {
                             const double moved = distance(corners, corners_of(candidate), turn);
                             const bool is_new = !is_matched_[candidate];
@@ -64,6 +78,7 @@ public:
                             best = {candidate, turn};
                             best_is_new = is_new;
                         }
+                    }
                 }
         if (best)
             is_matched_[best->triangle] = true;
@@ -72,6 +87,7 @@ public:
 
 private:
     using Cell = std::array<std::int64_t, 3>;
+    static constexpr std::size_t most_tried = 1000;
 
     Corners corners_of(std::uint32_t triangle) const {
         Corners c;
@@ -103,8 +119,8 @@ private:
     std::map<Cell, std::vector<std::uint32_t>> cells_; // the triangles by their middles
 };
 
-// The length of a diagonal between neighbouring positions of a mesh.
-double quantisation_step(const SurfaceMesh& mesh, unsigned position_bits) {
+// How far rounding moves positions of a mesh at most.
+double rounding_reach(const SurfaceMesh& mesh, unsigned position_bits) {
     glm::dvec3 low(1e300), high(-1e300);
     for (const glm::vec3& p : mesh.positions) {
         low = glm::min(low, glm::dvec3(p));
@@ -112,7 +128,8 @@ double quantisation_step(const SurfaceMesh& mesh, unsigned position_bits) {
     }
     const glm::dvec3 sides = high - low;
     const double longest = std::max({sides.x, sides.y, sides.z});
-    return std::sqrt(3.0) * longest / ((1u << position_bits) - 1);
+    constexpr double tolerance = 1.05; // of the decoder's single precision
+    return tolerance * 0.5 * std::sqrt(3.0) * longest / ((1u << position_bits) - 1);
 }
 
 // The triangles of the model in the order of the mesh. No two share vertices. Error: runtime.
@@ -120,7 +137,7 @@ Result<Model> in_order_of(const Model& model, const SurfaceMesh& mesh, unsigned 
     Model ordered;
     ordered.materials = model.materials;
     ordered.images = model.images;
-    TriangleMatcher matcher(model, quantisation_step(mesh, position_bits));
+    TriangleMatcher matcher(model, rounding_reach(mesh, position_bits));
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         Corners corners;
         for (std::size_t k = 0; k < 3; ++k)

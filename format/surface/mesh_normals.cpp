@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <span>
 #include <tuple>
 
 namespace tessera {
@@ -33,28 +34,29 @@ CornerNormal corner_normal(const SurfaceMesh& mesh, const std::array<std::uint32
     return {unit_or_zero(up), std::atan2(glm::length(up), glm::dot(a, b))};
 }
 
-// The corners of all triangles, sorted by groups of vertices that have the same position.
+// The corners of all triangles with area, sorted by groups of vertices that have the same position.
 struct CornerRuns {
-    std::vector<std::uint32_t> corners; // 3 * triangle + corner
-    std::vector<std::uint32_t> group;   // per vertex
-    std::vector<std::uint32_t> start;   // per group, and one at the end: an index into `corners`
+    std::vector<CornerNormal> corners;
+    std::vector<std::uint32_t> group; // per vertex
+    std::vector<std::uint32_t> start; // per group, and one at the end: an index into `corners`
 };
 
-CornerRuns corners_by_position(const SurfaceMesh& mesh) {
+// `normals` of all corners, triangle by triangle.
+CornerRuns corners_by_position(const SurfaceMesh& mesh, std::span<const CornerNormal> normals) {
     CornerRuns runs;
     runs.group = number_positions(mesh);
     const std::uint32_t groups = runs.group.empty() ? 0 : *std::ranges::max_element(runs.group);
+    const auto for_each = [&](const auto& visit) {
+        for (std::size_t i = 0; i < normals.size(); ++i)
+            if (normals[i].unit != glm::dvec3{0.0})
+                visit(runs.group[mesh.triangles[i / 3][i % 3]], normals[i]);
+    };
     runs.start.assign(std::size_t{groups} + 2, 0);
-    for (const auto& triangle : mesh.triangles)
-        for (const std::uint32_t vertex : triangle)
-            ++runs.start[runs.group[vertex] + 1];
+    for_each([&](std::uint32_t group, const CornerNormal&) { ++runs.start[group + 1]; });
     std::partial_sum(runs.start.begin(), runs.start.end(), runs.start.begin());
-    runs.corners.resize(3 * mesh.triangles.size());
+    runs.corners.resize(runs.start.back());
     std::vector<std::uint32_t> next = runs.start;
-    std::uint32_t corner = 0;
-    for (const auto& triangle : mesh.triangles)
-        for (const std::uint32_t vertex : triangle)
-            runs.corners[next[runs.group[vertex]]++] = corner++;
+    for_each([&](std::uint32_t group, const CornerNormal& n) { runs.corners[next[group]++] = n; });
     return runs;
 }
 
@@ -80,24 +82,24 @@ std::vector<std::uint32_t> number_positions(const SurfaceMesh& mesh) {
 
 std::vector<glm::vec3> mesh_normals(const SurfaceMesh& mesh) {
     std::vector<glm::dvec3> own(mesh.positions.size(), glm::dvec3{0.0});
+    std::vector<CornerNormal> of_corners;
+    of_corners.reserve(3 * mesh.triangles.size());
     for (const auto& triangle : mesh.triangles)
         for (std::size_t i = 0; i < 3; ++i) {
             const CornerNormal n = corner_normal(mesh, triangle, i);
             own[triangle[i]] += n.unit * n.angle;
+            of_corners.push_back(n);
         }
-    const CornerRuns runs = corners_by_position(mesh);
+    const CornerRuns runs = corners_by_position(mesh, of_corners);
     std::vector<glm::vec3> normals;
     normals.reserve(own.size());
     for (std::size_t vertex = 0; vertex < own.size(); ++vertex) {
         const glm::dvec3 axis = unit_or_zero(own[vertex]);
         glm::dvec3 sum{0.0};
         const std::uint32_t group = runs.group[vertex];
-        for (std::uint32_t i = runs.start[group]; i < runs.start[group + 1]; ++i) {
-            const std::uint32_t corner = runs.corners[i];
-            const CornerNormal n = corner_normal(mesh, mesh.triangles[corner / 3], corner % 3);
-            if (glm::dot(n.unit, axis) >= crease_cosine)
+        for (std::uint32_t i = runs.start[group]; i < runs.start[group + 1]; ++i)
+            if (const CornerNormal& n = runs.corners[i]; glm::dot(n.unit, axis) >= crease_cosine)
                 sum += n.unit * n.angle;
-        }
         glm::dvec3 normal = unit_or_zero(sum);
         if (normal == glm::dvec3{0.0})
             normal = axis;

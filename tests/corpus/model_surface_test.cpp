@@ -120,6 +120,33 @@ TEST(ModelSurface, LooseTrianglesShareCharts) {
     EXPECT_EQ(cut_flat(cube_model()).size(), 6u); // not across sharp edges
 }
 
+// Rounding is relative to the box around the triangles.
+TEST(ModelSurface, UnusedVerticesDoNotCount) {
+    Model model = ball_model(12);
+    const ModelAtlas atlas = atlas_of(model, 4000);
+    ModelVertex far;
+    far.position = glm::vec3(1e6f);
+    model.vertices.insert(model.vertices.begin(), far);
+    for (ModelTriangle& triangle : model.triangles)
+        for (std::uint32_t& vertex : triangle.vertices)
+            ++vertex;
+    EXPECT_EQ(atlas_of(model, 4000).stream, atlas.stream);
+}
+
+// Thousands of triangles that are smaller than the rounding, beside a large one.
+TEST(ModelSurface, TinyTrianglesAreFoundAgain) {
+    Model model = loose_squares(2000);
+    for (ModelVertex& vertex : model.vertices)
+        vertex.position *= 1e-6f;
+    const auto first = static_cast<std::uint32_t>(model.vertices.size());
+    for (const glm::vec2 p : {glm::vec2(0, 0), glm::vec2(100, 0), glm::vec2(0, 100)})
+        model.vertices.push_back({.position = {p, 1.0f}, .normal = {0.0f, 0.0f, 1.0f}});
+    model.triangles.push_back({{first, first + 1, first + 2}, 0});
+    const ModelAtlas atlas = atlas_of(model, 4000);
+    EXPECT_EQ(atlas.mesh.triangles.size(), model.triangles.size());
+    EXPECT_EQ(atlas.model.triangles.size(), model.triangles.size());
+}
+
 TEST(ModelSurface, EdgesJoinTrianglesAtTheSamePosition) {
     Model model = loose_squares(2);
     model.vertices[4].position.y += 1e-7f; // rounded in another way
