@@ -205,7 +205,7 @@ Result<std::vector<GlbPayload>> payloads_in(const OpenGlb& glb) {
     return payloads;
 }
 
-bool is_number(const std::string& text) {
+bool is_texture_number(const std::string& text) {
     constexpr std::size_t most_digits = 9;
     return !text.empty() && text.size() <= most_digits &&
            text.find_first_not_of("0123456789") == std::string::npos;
@@ -230,7 +230,7 @@ Result<GlbPayload> chosen(const std::vector<GlbPayload>& payloads,
 GlbName split_glb_name(const std::string& name) {
     const std::size_t hash = name.rfind('#');
     std::error_code ignored;
-    if (hash == std::string::npos || !is_number(name.substr(hash + 1)) ||
+    if (hash == std::string::npos || !is_texture_number(name.substr(hash + 1)) ||
         !without_query(name.substr(0, hash)).ends_with(".glb") ||
         (!is_url(name) && std::filesystem::exists(to_path(name), ignored)))
         return {name, {}};
