@@ -18,6 +18,10 @@ namespace TESSERA_PUBLIC tessera {
 // stay as they are, but on Windows become U+FFFD. Thread-safe.
 std::filesystem::path to_path(const std::string& utf8);
 
+// A path to take apart, not to open: it lacks the prefix that to_path() gives a long one on Windows,
+// which lexically_normal() would break. Thread-safe.
+std::filesystem::path lexical_path(const std::string& utf8);
+
 // Names of what a folder holds, in any order. std::filesystem with mingw-w64 would list the current
 // folder instead of one whose path has more than 260 characters. Thread-safe.
 std::vector<std::string> names_in(const std::string& folder, std::error_code& error);

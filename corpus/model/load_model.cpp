@@ -1,10 +1,10 @@
 #include "corpus/model/readers.h"
 
 #include "format/byte_source.h"
+#include "format/output_file.h"
 
 #include <algorithm>
 #include <exception>
-#include <filesystem>
 #include <new>
 
 namespace tessera::corpus {
@@ -62,9 +62,7 @@ bool is_model_path(const std::string& path) {
 }
 
 std::string folder_of(const std::string& path) {
-    // Not by to_path(), whose prefix for long paths on Windows does not survive lexically_normal().
-    const std::filesystem::path whole(std::u8string(path.begin(), path.end()));
-    const std::string folder = whole.parent_path().string();
+    const std::string folder = lexical_path(path).parent_path().string();
     return folder.empty() ? "." : folder;
 }
 

@@ -38,12 +38,6 @@ Result<StatedFrames> read_colmap_model(const std::string& folder);
 // Whether the folder has the files of a COLMAP model.
 bool is_colmap_model(const std::string& folder);
 
-// A path to take apart, not to open: it lacks the prefix that to_path() gives a long one on Windows,
-// which lexically_normal() would break.
-inline std::filesystem::path lexical_path(const std::string& utf8) {
-    return std::u8string(utf8.begin(), utf8.end());
-}
-
 // Whether the regular file exists.
 inline bool is_file(const std::string& utf8) {
     std::error_code none;

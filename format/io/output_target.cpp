@@ -24,6 +24,10 @@ Result<std::string> output_target(const std::string& path) {
     return sys::system_error(path, "cannot follow the link", ELOOP);
 }
 
+std::filesystem::path lexical_path(const std::string& utf8) {
+    return std::u8string(utf8.begin(), utf8.end());
+}
+
 std::vector<std::string> names_in(const std::string& folder, std::error_code& error) {
     std::vector<std::string> names;
     const bool listed = sys::list_folder(folder, names) == 0;

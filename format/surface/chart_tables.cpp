@@ -280,7 +280,7 @@ Result<MeshCharts> read_chart_tables(const ChartedStream& stream, const SurfaceM
 
 Result<std::vector<std::byte>> add_charts(std::span<const std::byte> shape,
                                           const MeshCharts& charts) {
-    TESSERA_TRY_ASSIGN(const SurfaceMesh mesh,
+    TESSERA_TRY_ASSIGN(SurfaceMesh mesh,
                        decode_shape(shape, std::numeric_limits<std::uint64_t>::max()));
     TESSERA_TRY(check_charts(charts, mesh.triangles.size()));
     std::vector<std::uint32_t> order;
@@ -307,9 +307,8 @@ Result<std::vector<std::byte>> add_charts(std::span<const std::byte> shape,
     out.insert(out.end(), shape.begin(), shape.end());
     const auto bytes = std::as_bytes(std::span(buffer.data(), buffer.size()));
     out.insert(out.end(), bytes.begin(), bytes.end());
-    const Result<SurfaceMesh> back = decode_mesh(out, std::numeric_limits<std::uint64_t>::max());
-    if (!back)
-        return Status(ErrorCode::bad_argument, back.status().message());
+    if (const Status laid = lay_charts(mesh, charts); !laid)
+        return Status(ErrorCode::bad_argument, laid.message());
     return out;
 }
 

@@ -14,39 +14,38 @@ namespace {
 
 constexpr BlockShape parallax_shape{{24, 24, 5, 5}};
 
-// Waves of amplitude `height` around `grey` that move by half a texel per view.
-TileTexels moving_waves(double grey, double height) {
+// texel_of(u, v, s, t, channel): 0..255.
+template <class TexelOf> TileTexels tile_of(const TexelOf& texel_of) {
     TileTexels tile;
     const auto& n = parallax_shape.n;
     for (int v = 0; v < n[1]; ++v)
         for (int u = 0; u < n[0]; ++u)
             for (int t = 0; t < n[3]; ++t)
                 for (int s = 0; s < n[2]; ++s)
-                    for (int c = 0; c < 3; ++c) {
-                        const double x = u + 0.5 * s, y = v + 0.5 * t;
-                        const double wave = 0.2 * std::sin(x * 1.7 + c) * std::cos(y * 1.3) +
-                                            0.15 * std::sin(x * 0.9 + y * 2.1 + 2 * c);
-                        tile.texels.push_back(
-                            static_cast<std::byte>(std::lround(grey + height * wave)));
-                    }
+                    for (int c = 0; c < 3; ++c)
+                        tile.texels.push_back(static_cast<std::byte>(texel_of(u, v, s, t, c)));
     return tile;
+}
+
+// Waves of amplitude `height` around `grey` that move by half a texel per view.
+TileTexels moving_waves(double grey, double height) {
+    return tile_of([&](int u, int v, int s, int t, int c) {
+        const double x = u + 0.5 * s, y = v + 0.5 * t;
+        const double wave = 0.2 * std::sin(x * 1.7 + c) * std::cos(y * 1.3) +
+                            0.15 * std::sin(x * 0.9 + y * 2.1 + 2 * c);
+        return std::lround(grey + height * wave);
+    });
 }
 
 // Noise that moves by a texel per view.
 TileTexels moving_noise() {
     test::Random random(5);
-    std::array<std::byte, 32 * 32> noise;
-    for (std::byte& texel : noise)
-        texel = static_cast<std::byte>(std::lround(255 * random.unit()));
-    TileTexels tile;
-    const auto& n = parallax_shape.n;
-    for (int v = 0; v < n[1]; ++v)
-        for (int u = 0; u < n[0]; ++u)
-            for (int t = 0; t < n[3]; ++t)
-                for (int s = 0; s < n[2]; ++s)
-                    tile.texels.insert(tile.texels.end(), 3,
-                                       noise[static_cast<std::size_t>((v + t) * 32 + u + s)]);
-    return tile;
+    std::array<long, 32 * 32> noise;
+    for (long& texel : noise)
+        texel = std::lround(255 * random.unit());
+    return tile_of([&](int u, int v, int s, int t, int) {
+        return noise[static_cast<std::size_t>((v + t) * 32 + u + s)];
+    });
 }
 
 // A flat tile skips the search for copies, so results of the tile before must not remain.

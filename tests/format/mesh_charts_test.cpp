@@ -1,19 +1,16 @@
 // Tests meshes whose uv are projections: layout, coding of the charts, and damaged tables.
 #include "format/surface/chart_tables.h"
-#include "tests/support/meshes.h"
+#include "tests/support/damaged_meshes.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
-#include <limits>
 #include <map>
 
 namespace tessera {
 namespace {
 
 using namespace test;
-
-constexpr std::uint64_t no_memory_limit = std::numeric_limits<std::uint64_t>::max();
 
 Bytes shape_of(const SurfaceMesh& mesh, unsigned normal_bits = 0) {
     const auto shape = encode_shape(mesh, {10, 0, normal_bits});
@@ -162,30 +159,12 @@ TEST(MeshCharts, RefusesToEncodeWrongCharts) {
 
 TEST(MeshCharts, RefusesSectionsThatAreTooShortOrTooLong) {
     const Cube c = cube(6);
-    const Bytes whole = *add_charts(c.shape, c.charts);
-    for (std::size_t size = 0; size < whole.size(); ++size)
-        EXPECT_EQ(decode_mesh(std::span(whole).first(size), no_memory_limit).status().code(),
-                  ErrorCode::invalid_file)
-            << size;
-    Bytes more = whole;
-    more.push_back(std::byte{0});
-    EXPECT_EQ(decode_mesh(more, no_memory_limit).status().code(), ErrorCode::invalid_file);
+    refuses_other_lengths(*add_charts(c.shape, c.charts));
 }
 
 TEST(MeshCharts, SurvivesFlippedBits) {
     const Cube c = cube();
-    const Bytes whole = *add_charts(c.shape, c.charts);
-    for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
-        Bytes flipped = whole;
-        flipped[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
-        const auto mesh = decode_mesh(flipped, 64u << 20);
-        if (!mesh) {
-            EXPECT_NE(mesh.status().code(), ErrorCode::runtime) << bit;
-            continue;
-        }
-        for (const glm::vec2& uv : mesh->uv)
-            ASSERT_TRUE(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1) << bit;
-    }
+    survives_flipped_bits(*add_charts(c.shape, c.charts));
 }
 
 } // namespace
