@@ -27,6 +27,14 @@ struct SurfaceMesh {
     std::vector<std::array<std::uint32_t, 3>> triangles; // counter-clockwise seen from outside
 };
 
+// The least box with edges along the axes around all positions, of which there is at least one.
+struct MeshBounds {
+    glm::dvec3 low{0.0}, high{0.0};
+    glm::dvec3 centre() const { return 0.5 * (low + high); }
+    double diagonal() const;
+};
+MeshBounds bounds_of(const SurfaceMesh& mesh);
+
 // The precision of an encoded mesh. Without stored normals, readers compute them (FORMAT.md 5.2),
 // smooth across edges where triangles meet at less than 45 degrees; a closed surface then takes a
 // sixth fewer bytes.

@@ -124,6 +124,16 @@ struct ModelCamera {
     double fov = 45.0;                                               // vertical, degrees
 };
 
+constexpr double paper_radius = 3.5; // of the sphere around the paper's scene
+
+// Where load_model() has moved the model: the baker works at one size. Directions stay.
+struct ModelFrame {
+    glm::dvec3 middle{0.0}; // of the model, in the units of its file
+    double scale = 1.0;     // above 0
+    glm::dvec3 from_file(const glm::dvec3& place) const { return (place - middle) * scale; }
+    glm::dvec3 to_file(const glm::dvec3& place) const { return place / scale + middle; }
+};
+
 struct Model {
     std::vector<ModelVertex> vertices;
     std::vector<ModelTriangle> triangles;
@@ -132,17 +142,14 @@ struct Model {
     std::vector<ModelLamp> lamps;
     std::vector<ModelCamera> cameras; // with different names
     std::vector<std::string> notes;   // what is missing or ignored, for people
-    // load_model() has moved and scaled the model: (place in the file - middle) * scale.
-    glm::dvec3 middle{0.0};
-    double scale = 1.0;
+    ModelFrame frame;
 };
 
 // Moves the vertices back to where the file has them. Lamps stay.
 inline void restore_placement(Model& model) {
     for (ModelVertex& vertex : model.vertices)
-        vertex.position = glm::vec3(glm::dvec3(vertex.position) / model.scale + model.middle);
-    model.middle = glm::dvec3(0.0);
-    model.scale = 1.0;
+        vertex.position = glm::vec3(model.frame.to_file(glm::dvec3(vertex.position)));
+    model.frame = {};
 }
 
 // The normal of a triangle. Its length is twice the area.

@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t most_triangles = std::size_t{1} << 22;
 constexpr float largest_coordinate = 1e15f; // squares of differences stay finite
-constexpr double paper_radius = 3.5;
 
 template <class Vector> bool is_sound(const Vector& x) {
     for (glm::length_t i = 0; i < x.length(); ++i)
@@ -177,17 +176,16 @@ Result<Model> ModelBuilder::finish() && {
     for (const ModelVertex& v : model_.vertices)
         radius = std::max(radius, glm::length(glm::dvec3(v.position) - middle));
     const double scale = paper_radius / radius;
-    model_.middle = middle;
-    model_.scale = scale;
+    model_.frame = {middle, scale};
     for (ModelVertex& v : model_.vertices)
-        v.position = glm::vec3((glm::dvec3(v.position) - middle) * scale);
+        v.position = glm::vec3(model_.frame.from_file(glm::dvec3(v.position)));
     for (ModelMaterial& material : model_.materials)
         if (material.coats)
             material.coats->attenuation_distance *= scale;
     for (ModelCamera& camera : model_.cameras)
-        camera.eye = (camera.eye - middle) * scale;
+        camera.eye = model_.frame.from_file(camera.eye);
     for (ModelLamp& lamp : model_.lamps) {
-        lamp.position = (lamp.position - middle) * scale;
+        lamp.position = model_.frame.from_file(lamp.position);
         lamp.range *= scale;
         if (lamp.kind != ModelLamp::Kind::directional)
             lamp.strength *= scale * scale; // the same irradiance

@@ -18,6 +18,7 @@ using Corners = std::array<glm::dvec3, 3>;
 
 // The triangles without their uv. Vertices of no triangle are left out: they may be anywhere, and
 // positions are rounded over the box around all vertices.
+// In the units and at the place of the model's file.
 SurfaceMesh mesh_of(const Model& model) {
     SurfaceMesh mesh;
     constexpr std::uint32_t unused = UINT32_MAX;
@@ -28,12 +29,20 @@ SurfaceMesh mesh_of(const Model& model) {
             const std::uint32_t vertex = triangle.vertices[k];
             if (numbers[vertex] == unused) {
                 numbers[vertex] = static_cast<std::uint32_t>(mesh.positions.size());
-                mesh.positions.push_back(model.vertices[vertex].position);
+                mesh.positions.emplace_back(
+                    model.frame.to_file(glm::dvec3(model.vertices[vertex].position)));
                 mesh.normals.push_back(model.vertices[vertex].normal);
             }
             corners[k] = numbers[vertex];
         }
     }
+    return mesh;
+}
+
+// Moves a decoded mesh to where the baker has the model.
+SurfaceMesh in_frame(SurfaceMesh mesh, const ModelFrame& frame) {
+    for (glm::vec3& position : mesh.positions)
+        position = glm::vec3(frame.from_file(glm::dvec3(position)));
     return mesh;
 }
 
@@ -121,12 +130,8 @@ private:
 
 // How far rounding moves positions of a mesh at most.
 double rounding_reach(const SurfaceMesh& mesh, unsigned position_bits) {
-    glm::dvec3 low(1e300), high(-1e300);
-    for (const glm::vec3& p : mesh.positions) {
-        low = glm::min(low, glm::dvec3(p));
-        high = glm::max(high, glm::dvec3(p));
-    }
-    const glm::dvec3 sides = high - low;
+    const MeshBounds bounds = bounds_of(mesh);
+    const glm::dvec3 sides = bounds.high - bounds.low;
     const double longest = std::max({sides.x, sides.y, sides.z});
     constexpr double tolerance = 1.05; // of the decoder's single precision
     return tolerance * 0.5 * std::sqrt(3.0) * longest / ((1u << position_bits) - 1);
@@ -167,9 +172,10 @@ void move_to(Model& model, const SurfaceMesh& mesh) {
 }
 
 // What readers need to lay the charts into the atlas.
-MeshCharts charts_of(const std::vector<FlatChart>& flat, const ModelAtlas& atlas) {
+MeshCharts charts_of(const std::vector<FlatChart>& flat, const ModelAtlas& atlas,
+                     const ModelFrame& frame) {
     MeshCharts out{.size = atlas.size,
-                   .density = static_cast<float>(atlas.density),
+                   .density = static_cast<float>(atlas.density * frame.scale),
                    .charts = {},
                    .chart_of = std::vector<std::uint32_t>(atlas.model.triangles.size())};
     for (std::uint32_t i = 0; i < flat.size(); ++i) {
@@ -213,7 +219,8 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
         .position_bits = options.position_bits, .uv_bits = 0, .normal_bits = options.normal_bits};
     TESSERA_TRY_ASSIGN(const std::vector<std::byte> shape, encode_shape(mesh_of(model), bits));
     // Viewers see the decoded mesh, so all that follows uses it.
-    TESSERA_TRY_ASSIGN(const SurfaceMesh decoded, decode_shape(shape, most_mesh_bytes));
+    TESSERA_TRY_ASSIGN(SurfaceMesh in_file, decode_shape(shape, most_mesh_bytes));
+    const SurfaceMesh decoded = in_frame(std::move(in_file), model.frame);
     TESSERA_TRY_ASSIGN(atlas.model, in_order_of(model, decoded, options.position_bits));
     // Rounding turns small triangles over, so charts of the exact positions are larger.
     std::vector<FlatChart> flat = cut_flat(atlas.model);
@@ -227,8 +234,9 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
     for (std::size_t a = 0; a < 2; ++a)
         atlas.size[a] =
             (packed.size[a] + options.side_step - 1) / options.side_step * options.side_step;
-    TESSERA_TRY_ASSIGN(atlas.stream, add_charts(shape, charts_of(flat, atlas)));
-    TESSERA_TRY_ASSIGN(atlas.mesh, decode_mesh(atlas.stream, most_mesh_bytes));
+    TESSERA_TRY_ASSIGN(atlas.stream, add_charts(shape, charts_of(flat, atlas, model.frame)));
+    TESSERA_TRY_ASSIGN(in_file, decode_mesh(atlas.stream, most_mesh_bytes));
+    atlas.mesh = in_frame(std::move(in_file), model.frame);
     return atlas;
 }
 

@@ -20,8 +20,8 @@ struct ModelAtlasOptions {
 };
 
 struct ModelAtlas {
-    std::vector<std::byte> stream; // the section prxy
-    SurfaceMesh mesh;              // decoded from the stream
+    std::vector<std::byte> stream; // the section prxy, in the frame of the model's file
+    SurfaceMesh mesh;              // decoded from the stream, in the frame of the model
     std::vector<Chart> charts;
     Texels2 size{0, 0};
     double density = 0; // of the finest charts

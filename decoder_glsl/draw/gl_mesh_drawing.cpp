@@ -29,19 +29,6 @@ struct MeshViewBlock {
     float eye[4];
 };
 
-struct Bounds {
-    glm::dvec3 low, high;
-};
-
-Bounds bounds_of(const SurfaceMesh& mesh) {
-    Bounds b{glm::dvec3(DBL_MAX), glm::dvec3(-DBL_MAX)};
-    for (const glm::vec3& position : mesh.positions) {
-        b.low = glm::min(b.low, glm::dvec3(position));
-        b.high = glm::max(b.high, glm::dvec3(position));
-    }
-    return b;
-}
-
 glm::dvec3 as_vec(const std::array<float, 3>& v) {
     return {v[0], v[1], v[2]};
 }
@@ -50,7 +37,7 @@ glm::dvec3 as_vec(const std::array<float, 3>& v) {
 // precision is the same near and far. It is the distance of the bounding box's nearest corner, but
 // at least a ten-thousandth of the box's size: observers inside or close to the box do not see what
 // is nearer.
-double nearest_depth(const Bounds& bounds, const glm::dvec3& eye, const glm::dvec3& forward) {
+double nearest_depth(const MeshBounds& bounds, const glm::dvec3& eye, const glm::dvec3& forward) {
     double nearest = DBL_MAX;
     for (int corner = 0; corner < 8; ++corner) {
         const glm::dvec3 at{corner & 1 ? bounds.high.x : bounds.low.x,
@@ -58,11 +45,11 @@ double nearest_depth(const Bounds& bounds, const glm::dvec3& eye, const glm::dve
                             corner & 4 ? bounds.high.z : bounds.low.z};
         nearest = std::min(nearest, glm::dot(at - eye, forward) / glm::dot(forward, forward));
     }
-    const double least = glm::length(bounds.high - bounds.low) * 1e-4;
+    const double least = bounds.diagonal() * 1e-4;
     return std::max({nearest * 0.999, least, double{FLT_MIN}});
 }
 
-MeshViewBlock block_of(const ViewCamera& camera, const Bounds& bounds) {
+MeshViewBlock block_of(const ViewCamera& camera, const MeshBounds& bounds) {
     const glm::dvec3 eye = as_vec(camera.eye), forward = as_vec(camera.forward);
     const glm::dvec3 rows[] = {as_vec(camera.right), as_vec(camera.up), glm::dvec3(0), forward};
     MeshViewBlock block{};
@@ -221,7 +208,7 @@ private:
     GlBuffer sorted_;
     GlHandle<ReleaseVertexArray> array_;
     GLsizei count_ = 0;
-    Bounds bounds_{};
+    MeshBounds bounds_{};
     GlPicture picture_;
 };
 

@@ -2,9 +2,12 @@
 #include "tests/support/cli_fixture.h"
 #include "tests/support/model_files.h"
 #include "tools/picture/picture.h"
+#include "tools/support/parse.h"
 
+#include <glm/vec3.hpp>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 namespace {
@@ -59,7 +62,7 @@ TEST_F(BakeVerb, ModelsLookLikeTheirTruth) {
     const std::string lit =
         "bake roof.obj --single --light 1,2,1 --exposure 0.3 --roughness 0.6 --metal 0 ";
     succeed(lit + "--density 6 --directions 4x4 --tile 8x8x4x4 --spp 16 --effort 0 -q -o a.tess");
-    const std::string view = " -o v.png --eye 9,6,5 --pixels 80x60 ";
+    const std::string view = " -o v.png --eye 3.9,3,2.1 --pixels 80x60 ";
     const auto psnr = [&](const std::string& file, const std::string& more) {
         return json("render " + file + view + "--truth roof.obj --truth-spp 64 --json " +
                     more)["views"][0]["compressed_truth"]["psnr"]
@@ -84,6 +87,78 @@ TEST_F(BakeVerb, ModelsLookLikeTheirTruth) {
     fail(2, "render a.tess" + view + "--truth roof.obj --env nowhere.exr", {"nowhere.exr"});
     succeed(mesh_scene + "-q -o scene.tess");
     fail(1, "render scene.tess" + view + "--truth roof.obj", {"scene.tess", "roof.obj"});
+}
+
+// The same roof elsewhere and in other units: place -> scale * place + offset.
+std::string roof_at(double scale, const glm::dvec3& offset) {
+    std::istringstream lines(roof);
+    std::string out;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string kind;
+        glm::dvec3 p;
+        if (words >> kind >> p.x >> p.y >> p.z && kind == "v") {
+            p = scale * p + offset;
+            line = "v " + tessera::format_digits(p.x, 9) + " " + tessera::format_digits(p.y, 9) +
+                   " " + tessera::format_digits(p.z, 9);
+        }
+        out += line + "\n";
+    }
+    return out;
+}
+
+TEST_F(BakeVerb, MeshesKeepTheUnitsAndThePlaceOfTheModel) {
+    const auto bake = [&](const std::string& name, const std::string& density) {
+        return run("bake " + name +
+                   ".obj --single --light 1,2,1 --exposure 0.3 --roughness 0.6 "
+                   "--metal 0 --directions 4x4 --tile 8x8x4x4 --spp 16 --effort 0 -q -o " +
+                   name + ".tess --density " + density);
+    };
+    const auto seen_from = [&](const std::string& name, const std::string& eye,
+                               const std::string& look) {
+        const Json view =
+            json("render " + name + ".tess -o " + name + ".png --eye " + eye + " --look " + look +
+                 " --pixels 80x60 --truth " + name + ".obj --truth-spp 64 --json")["views"][0];
+        return view["compressed_truth"]["psnr"].get<double>();
+    };
+    spit(at("roof.obj"), roof);
+    spit(at("large.obj"), roof_at(1000.0, {2000, 5000, -3000}));
+    EXPECT_EQ(bake("roof", "6").err, "");
+    EXPECT_EQ(bake("large", "0.006").err, "");
+    const Json mesh = json("info roof.tess --json")["mesh"];
+    const Json large = json("info large.tess --json");
+    EXPECT_EQ(large["metadata"]["Mesh scale"], "1");
+    EXPECT_EQ(large["metadata"]["Mesh offset"], "0,0,0");
+    EXPECT_EQ(large["metadata"]["Texels per unit"], "0.006");
+    const double offset[] = {2000, 5000, -3000};
+    for (const char* corner : {"low", "high"})
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            EXPECT_NEAR(large["mesh"][corner][axis].get<double>(),
+                        1000 * mesh[corner][axis].get<double>() + offset[axis], 1);
+    EXPECT_GT(seen_from("roof", "4,3,2", "0,0.5,0"), 28);
+    EXPECT_GT(seen_from("large", "6000,8000,-1000", "2000,5500,-3000"), 28);
+    EXPECT_GT(json("compare roof.png large.png --json")["psnr"], 35);
+    // The standard views show both from the same side and distance.
+    succeed("render roof.tess -o roof.png --views 4 --pixels 80x60 -q");
+    succeed("render large.tess -o large.png --views 4 --pixels 80x60 -q");
+    EXPECT_GT(json("compare roof.png large.png --json")["psnr"], 35);
+}
+
+TEST_F(BakeVerb, MovesModelsThatAreTooSmallOrTooFarAwayAndSaysSo) {
+    spit(at("far.obj"), roof_at(1e-4, {1, 0, 0}));
+    const std::string bake = "bake far.obj --single --light 1,2,1 --exposure 0.3 --roughness 0.6 "
+                             "--metal 0 --directions 1x1 --tile 8x8x1x1 --spp 16 --effort 0 "
+                             "-o far.tess --density 4 ";
+    const Outcome o = run(bake + "-q");
+    EXPECT_EQ(o.code, 0);
+    EXPECT_NE(o.err.find("moved to the origin"), std::string::npos) << o.err;
+    fail(5, bake + "--strict -q", {"moved to the origin"});
+    const Json info = json("info far.tess --json");
+    EXPECT_GT(std::stod(info["metadata"]["Mesh scale"].get<std::string>()), 1000);
+    EXPECT_LT(std::abs(info["mesh"]["low"][0].get<double>()), 4);
+    const Json view = json("render far.tess -o v.png --views 4 --pixels 80x60 "
+                           "--truth far.obj --truth-spp 64 --json")["views"][0];
+    EXPECT_GT(view["compressed_truth"]["psnr"], 28);
 }
 
 TEST_F(BakeVerb, SaysThatAMaterialFileIsMissing) {

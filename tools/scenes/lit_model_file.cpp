@@ -3,7 +3,6 @@
 #include "tools/support/parse.h"
 
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <numbers>
 
@@ -42,9 +41,7 @@ Result<corpus::ModelLight> make_light(const ModelArguments& a) {
 // The text of a number in metadata. `render --truth` reads it back, so the computed exposure is
 // rounded to it, too.
 std::string digits(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
+    return format_digits(value, 6);
 }
 
 double usual_exposure(const corpus::ModelLight& light) {
@@ -59,8 +56,8 @@ double usual_exposure(const corpus::ModelLight& light) {
     if (light.sun)
         mean += light.sun->irradiance.y / (4.0 * std::numbers::pi);
     for (const corpus::ModelLamp& lamp : light.lamps) {
-        constexpr double radius = 3.5; // of models; a lamp may lie inside
-        const double distance = std::max(glm::length(lamp.position), radius);
+        // A lamp may lie inside the model.
+        const double distance = std::max(glm::length(lamp.position), corpus::paper_radius);
         const bool is_far = lamp.kind == corpus::ModelLamp::Kind::directional;
         mean += lamp.strength.y / (is_far ? 1.0 : distance * distance) / (4.0 * std::numbers::pi);
     }
@@ -87,6 +84,7 @@ Result<LitModelFile> load_lit_model(const std::string& path, const ModelArgument
     TESSERA_TRY_ASSIGN(file.light, make_light(a));
     file.light.lamps = file.model.lamps;
     file.cameras = file.model.cameras;
+    file.placement = placement_of(file.model.frame);
     file.display = {a.exposure ? *a.exposure : usual_exposure(file.light), SampleType::unorm8};
     for (corpus::ModelMaterial& m : file.model.materials)
         m.unlit_light = 1.0 / file.display.exposure; // so that it shows its base colour

@@ -5,6 +5,7 @@
 #include "corpus/model_surface/display.h"
 #include "corpus/trace/tracer.h"
 #include "format/metadata.h"
+#include "tools/scenes/mesh_placement.h"
 
 #include <optional>
 #include <string>
@@ -27,6 +28,7 @@ struct LitModelFile {
     corpus::ModelLight light;
     std::vector<corpus::ModelCamera> cameras; // those of the model, which may move away
     corpus::Display display;
+    MeshPlacement placement; // of a mesh that is baked
 };
 
 // Errors: those of loading the files; bad_argument if `light` is not a direction.

@@ -131,6 +131,12 @@ std::string format_number(double value, int decimals) {
     return text;
 }
 
+std::string format_digits(double value, int digits) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.*g", std::min(digits, 17), value);
+    return text;
+}
+
 Status parse_point(std::string_view text, glm::dvec3& out) {
     double xyz[3];
     if (!parse_numbers(text, xyz))

@@ -41,5 +41,6 @@ std::string printable(std::string text);
 
 std::string human_bytes(std::uint64_t bytes); // "402.7 MB", powers of 1000
 std::string format_number(double value, int decimals);
+std::string format_digits(double value, int digits); // at most so many significant ones
 
 } // namespace tessera

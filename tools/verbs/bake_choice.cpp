@@ -31,10 +31,8 @@ bool speaks(const BakeCommand& a) {
 double texels_of(const BakeCommand& a, const corpus::Model& model, double usual) {
     if (!a.density)
         return usual;
-    double area = 0;
-    for (const corpus::ModelTriangle& triangle : model.triangles)
-        area += 0.5 * glm::length(corpus::area_vector(model, triangle));
-    return area * *a.density * *a.density;
+    const double density = *a.density / model.frame.scale;
+    return corpus::surface_area(model) * density * density;
 }
 
 // As corpus::bake_model_layers() and corpus::LitModel trace their paths.

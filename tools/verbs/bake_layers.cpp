@@ -19,10 +19,10 @@ namespace {
 constexpr unsigned paths_per_place = 4, rays_per_place = 16, paths_per_reflection = 4;
 
 corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::SurfaceWish& wish,
-                                         double exposure) {
+                                         const LitModelFile& file) {
     corpus::ModelLayersOptions options;
-    options.exposure = exposure;
-    options.density = wish.density.value_or(0.0);
+    options.exposure = file.display.exposure;
+    options.density = wish.density.value_or(0.0) / file.model.frame.scale;
     options.directions = wish.directions.value_or(options.directions);
     options.texels = a.texels.value_or(options.texels);
     options.lights = a.lights.value_or(options.lights);
@@ -35,8 +35,9 @@ corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::Sur
     return options;
 }
 
-void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedLayers& coded,
-            const std::optional<GlbReport>& glb, const Warnings& warnings, double seconds) {
+void report(const BakeCommand& a, const corpus::Model& model, const corpus::ModelLayers& baked,
+            const CodedLayers& coded, const std::optional<GlbReport>& glb, const Warnings& warnings,
+            double seconds) {
     if (a.encode.json) {
         Json json = {{"output", a.output},
                      {"bytes", coded.file.size()},
@@ -45,7 +46,7 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
                      {"triangles", baked.decoded_mesh.triangles.size()},
                      {"charts", baked.charts},
                      {"mesh_bytes", baked.mesh.size()},
-                     {"texels_per_unit", baked.density},
+                     {"texels_per_unit", baked.density * model.frame.scale},
                      {"lights", baked.lights.size()},
                      {"warnings", warnings.json()},
                      {"layers", layers_json(coded)}};
@@ -62,7 +63,7 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
                  human_bytes(coded.file.size()).c_str(), seconds, rate_text(coded).c_str());
     print_layers(to, baked, coded);
     std::fprintf(to, "  %zu lights, %s texels per unit\n", baked.lights.size(),
-                 format_number(baked.density, 3).c_str());
+                 format_digits(baked.density * model.frame.scale, 4).c_str());
     if (glb)
         std::fprintf(to, "  glTF file of %s\n", to_string(*glb).c_str());
 }
@@ -121,7 +122,7 @@ Status bake_layered(const BakeCommand& a, ModelToBake model) {
                                      "from layers",
                                      a.scene));
     TESSERA_TRY(warn_of_coats(file.model, a.scene, warnings));
-    corpus::ModelLayersOptions options = layer_options(a, wish, file.display.exposure);
+    corpus::ModelLayersOptions options = layer_options(a, wish, file);
     corpus::ModelLayers baked;
     CodedLayers coded;
     {
@@ -133,7 +134,9 @@ Status bake_layered(const BakeCommand& a, ModelToBake model) {
         TESSERA_TRY_ASSIGN(
             EncodeOptions encode,
             make_encode_options(a.encode, a.texture.threads,
-                                metadata_of(model_facts(a, file, baked.density, model.notes)), {}));
+                                metadata_of(model_facts(
+                                    a, file, baked.density * file.model.frame.scale, model.notes)),
+                                {}));
         encode.mesh = baked.mesh;
         encode.progress = options.run.progress;
         encode.cancelled = options.run.cancelled;
@@ -147,7 +150,7 @@ Status bake_layered(const BakeCommand& a, ModelToBake model) {
         TESSERA_TRY(write_file(a.output, coded.file));
     }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    report(a, baked, coded, glb, warnings, seconds.count());
+    report(a, file.model, baked, coded, glb, warnings, seconds.count());
     return {};
 }
 

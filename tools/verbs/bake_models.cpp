@@ -47,7 +47,7 @@ void add_facts(const BakeCommand& a, const LitModelFile& file, const ModelFigure
                    {"notes", f.notes}};
     baking.remark = std::to_string(f.triangles) + " triangles in " +
                     human_bytes(baking.mesh.size()) + ", " + std::to_string(f.charts) +
-                    " charts, " + format_number(f.density, 3) + " texels per unit, " + map +
+                    " charts, " + format_digits(f.density, 4) + " texels per unit, " + map +
                     "; exposure " + format_number(exposure, 4) + "; sampling noise " +
                     format_number(f.noise.decibels, 1) +
                     " dB, --spp for 50 dB: " + format_number(f.noise.samples_for(50.0), 0);
@@ -71,6 +71,12 @@ Result<ModelToBake> load_model_to_bake(const BakeCommand& a) {
     ModelToBake model;
     TESSERA_TRY_ASSIGN(model.file, load_lit_model(a.scene, a.model));
     model.warnings = std::make_unique<Warnings>(a.encode.strict);
+    if (const std::string note = placement_note(model.file.placement); !note.empty())
+        model.file.model.notes.push_back(note);
+    corpus::ModelFrame& frame = model.file.model.frame;
+    frame = frame_of_mesh(frame, model.file.placement);
+    for (corpus::ModelCamera& camera : model.file.cameras)
+        camera.eye = frame.to_file(camera.eye);
     for (const std::string& note : model.file.model.notes) {
         model.notes.push_back(printable(note));
         TESSERA_TRY(model.warnings->add(model.notes.back(), a.scene));
@@ -87,12 +93,14 @@ model_facts(const BakeCommand& a, const LitModelFile& file, double density,
         {"model", a.scene},
         {"samples per texel", std::to_string(a.samples)},
         {"seed", std::to_string(a.seed.value_or(usual_bake_seed))},
-        {"texels per unit", format_number(density, 3)}};
+        {"texels per unit", format_digits(density, 6)}};
     std::string all;
     for (const std::string& note : notes)
         all += (all.empty() ? "" : "; ") + note;
     if (!all.empty())
         facts.emplace_back("notes", all);
+    for (auto& fact : facts_of(file.placement))
+        facts.push_back(std::move(fact));
     if (!file.cameras.empty())
         facts.emplace_back("model cameras", cameras_text(file.cameras));
     for (auto& fact : facts_of(a.model, file))
@@ -140,14 +148,14 @@ Result<Baking> model_baking(const BakeCommand& a, ModelToBake model, const std::
     const Extent4 tile = wish.tile.value_or(usual_tile);
     const corpus::Texels2 directions = wish.directions.value_or(usual_directions);
     corpus::ModelAtlasOptions options;
-    options.density = wish.density.value_or(0.0);
+    options.density = wish.density.value_or(0.0) / file.model.frame.scale;
     options.tile = {tile[axis_u], tile[axis_v]};
     TESSERA_TRY_ASSIGN(corpus::ModelAtlas atlas,
                        corpus::make_model_atlas(file.model, options).with_context(a.scene));
     baking.mesh = atlas.stream;
     ModelFigures figures{.triangles = atlas.mesh.triangles.size(),
                          .charts = atlas.charts.size(),
-                         .density = atlas.density,
+                         .density = atlas.density * file.model.frame.scale,
                          .noise = {},
                          .notes = std::move(model.notes)};
     corpus::LitModelOptions paths;

@@ -207,8 +207,8 @@ void declare(CLI::App& c, BakeCommand& a) {
     sphere.option("--seed", "N", a.seed, "Seed of the sample pattern. Default: 1");
     mesh.option("--density", "N", a.density,
                 "Texels per world unit, fewer on mirrors and at a distance. Default: 32, or 64 for "
-                "patterned objects",
-                number_between(0.01, 10000));
+                "patterned objects; models, in their own units: such that there are 60,000",
+                number_between(1e-6, 1e9));
     mesh.option("--directions", "SxT", a.directions,
                 "Size of each angular image. Default: 24x24, or 16x16 if only some objects are "
                 "glossy, 1x1 if none is");

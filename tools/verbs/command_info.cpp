@@ -43,11 +43,7 @@ Json mesh_json(std::span<const std::byte> stream) {
         json["error"] = mesh.status().message();
         return json;
     }
-    glm::vec3 low = mesh->positions.front(), high = low;
-    for (const glm::vec3& p : mesh->positions) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
+    const auto [low, high] = bounds_of(*mesh);
     json["triangles"] = mesh->triangles.size();
     json["vertices"] = mesh->positions.size();
     json["low"] = {low.x, low.y, low.z};

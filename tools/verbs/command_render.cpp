@@ -251,7 +251,7 @@ Status run(const RenderCommand& a) {
         }
         if (a.views.cameras.empty() && a.views.camera.empty() && !stage.planar) {
             ViewRequest views = a.views;
-            views.usual = stage.usual_pose;
+            views.frame = stage.frame;
             TESSERA_TRY_ASSIGN(plan, plan_views(views));
         }
         if (stage.planar && a.views.camera.empty() && a.views.cameras.empty()) {
@@ -298,17 +298,21 @@ void declare_camera(CLI::App& c, RenderCommand& a) {
     OptionGroup group(c, "Camera");
     auto* eye =
         group.option("--eye", "X,Y,Z", r.eye,
-                     "Position of the observer. Default: 10,0,0; planar views: amid the cameras");
+                     "Position of the observer. Default: 10,0,0; meshes of other sizes: as far "
+                     "from them; planar views: amid the cameras");
     auto* look =
         group.option("--look", "X,Y,Z", r.look,
-                     "A point straight ahead. Default: 0,0,0; planar views: fill the picture");
+                     "A point straight ahead. Default: 0,0,0; other meshes: their middle; planar "
+                     "views: fill the picture");
     auto* fov = group.option("--fov", "DEGREES", r.fov, "Vertical field of view. Default: 45");
     auto* pixels = group.option("--pixels", "WxH", r.size, "Size of the picture. Default: 640x480");
-    auto* views = group
-                      .option("--views", "paper or 1..5", r.views,
-                              "The five standard views, as name-1.png and so on, or one of them")
-                      ->excludes(eye)
-                      ->excludes(look);
+    auto* views =
+        group
+            .option("--views", "paper or 1..5", r.views,
+                    "The five standard views of the surface, as name-1.png and so on, or one of "
+                    "them")
+            ->excludes(eye)
+            ->excludes(look);
     auto* orbit = group
                       .option("--orbit", "N", r.orbit,
                               "Numbered frames around the vertical line through --look",

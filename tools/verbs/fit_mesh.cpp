@@ -92,7 +92,7 @@ Status fit_mesh(const FitCommand& a, const SplitPhotographs& photographs, Warnin
         Metadata metadata =
             fit_metadata(a, result.fit, photographs.fitted.size(),
                          {{"model", a.mesh},
-                          {"texels per unit", format_number(result.fit.layers.density, 3)},
+                          {"texels per unit", format_digits(result.fit.layers.density, 6)},
                           {"frame", frame}});
         TESSERA_TRY_ASSIGN(EncodeOptions encode, make_encode_options(a.encode, a.texture.threads,
                                                                      std::move(metadata), {}));

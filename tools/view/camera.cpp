@@ -91,12 +91,17 @@ Camera make_camera(const corpus::PhotoCamera& photograph) {
     return camera;
 }
 
-std::vector<NamedPose> paper_views() {
-    return {{"10,0,0", {{10, 0, 0}, {0, 0, 0}}},
-            {"10,0,-3", {{10, 0, -3}, {0, 0, -3}}},
-            {"10,0,3", {{10, 0, 3}, {0, 0, 3}}},
-            {"0,0,10", {{0, 0, 10}, {0, 0, 0}}},
-            {"0,10,0", {{0, 10, 0}, {0, 0, 0}}}};
+std::vector<NamedPose> paper_views(const ViewFrame& frame) {
+    std::vector<NamedPose> views = {{"10,0,0", {{10, 0, 0}, {0, 0, 0}}},
+                                    {"10,0,-3", {{10, 0, -3}, {0, 0, -3}}},
+                                    {"10,0,3", {{10, 0, 3}, {0, 0, 3}}},
+                                    {"0,0,10", {{0, 0, 10}, {0, 0, 0}}},
+                                    {"0,10,0", {{0, 10, 0}, {0, 0, 0}}}};
+    if (frame.scale == 1.0 && frame.centre == glm::dvec3(0.0))
+        return views;
+    for (std::size_t i = 0; i < views.size(); ++i)
+        views[i] = {"view " + std::to_string(i + 1), frame(views[i].pose)};
+    return views;
 }
 
 Result<std::vector<CameraPose>> orbit(const CameraPose& start, unsigned count) {

@@ -20,6 +20,16 @@ struct CameraPose {
     glm::dvec3 up{0.0};   // 0: as below
 };
 
+// Turns poses for the paper's scene, in its sphere of radius 3.5 around the origin, into those that
+// show another surface in the same way.
+struct ViewFrame {
+    glm::dvec3 centre{0.0}; // of the surface
+    double scale = 1.0;     // of the surface, relative to the paper's scene
+    CameraPose operator()(const CameraPose& pose) const {
+        return {centre + scale * pose.eye, centre + scale * pose.look, pose.up};
+    }
+};
+
 constexpr std::uint32_t max_picture_side = 16384; // pixels
 
 struct Lens {
@@ -61,7 +71,8 @@ struct NamedPose {
     std::string name;
     CameraPose pose;
 };
-std::vector<NamedPose> paper_views();
+// The poses are those in `frame`, whose surface need not be the paper's.
+std::vector<NamedPose> paper_views(const ViewFrame& frame = {});
 
 // Returns `count` poses, evenly spaced around the vertical line through `start.look`. They start at
 // `start` and run counter-clockwise as seen from above. Errors: bad_argument if the eye is on that

@@ -13,8 +13,9 @@
 namespace tessera {
 namespace {
 
-constexpr int most_places = 64;             // that a ray meets
-constexpr double step_behind = 1e-5;        // past a place, relative to its distance
+constexpr int most_places = 64; // that a ray meets
+// Past a place, relative to its distance or to the extent of the mesh, whichever is larger.
+constexpr double step_behind = 1e-5;
 constexpr double least_share = 1.0 / 512.0; // of the light behind, which is not worth following
 
 glm::dvec3 linear(const glm::dvec3& value, Transfer transfer) {
@@ -69,8 +70,9 @@ public:
     LayeredRenderer(MeshRays rays, std::vector<DistantLight> lights,
                     std::vector<std::unique_ptr<OpenLayer>> layers, const glm::dvec3& background,
                     const RenderOptions& options)
-        : rays_(std::move(rays)), lights_(std::move(lights)), peaks_(visibility_peaks(lights_)),
-          layers_(std::move(layers)), background_(background), options_(options) {
+        : rays_(std::move(rays)), extent_(bounds_of(rays_.mesh()).diagonal()),
+          lights_(std::move(lights)), peaks_(visibility_peaks(lights_)), layers_(std::move(layers)),
+          background_(background), options_(options) {
         for (const auto& layer : layers_)
             if (layer->role() == LayerRole::environment) {
                 lobes_ = layer->drawn().texels->desc().size[axis_u];
@@ -116,6 +118,7 @@ private:
     environment_light(Readers& readers, const Reflectance& reflectance, SurfaceFrame frame) const;
 
     MeshRays rays_;
+    double extent_; // of the mesh
     std::vector<DistantLight> lights_;
     std::vector<double> peaks_; // of their visibility
     std::vector<std::unique_ptr<OpenLayer>> layers_;
@@ -229,7 +232,7 @@ Result<glm::dvec3> LayeredRenderer::colour(Readers& readers, const Camera& camer
             break;
         const glm::dvec2 covered = width_ * hit->covered;
         TESSERA_TRY_ASSIGN(const double o, opacity(readers, hit->point, covered));
-        from = hit->distance + step_behind * std::max(1.0, hit->distance);
+        from = hit->distance + step_behind * std::max(extent_, hit->distance);
         if (o <= 0.0)
             continue;
         TESSERA_TRY_ASSIGN(const Leaving leaves, leaving(readers, hit->point, view, covered));

@@ -45,6 +45,8 @@ Status add_model_truth(const StageRequest& r, const Metadata& metadata,
     }
     TESSERA_TRY_ASSIGN(LitModelFile file, load_lit_model(r.truth, arguments));
     file.light.backdrop = file.display.light(background);
+    TESSERA_TRY_ASSIGN(const corpus::ModelFrame frame,
+                       frame_of_mesh(file.model.frame, metadata).with_context(r.file));
     RenderOptions options = asked;
     const unsigned paths = r.truth_samples.value_or(usual_model_paths);
     options.rays = std::clamp(paths / least_paths_per_ray, 1u, mesh_rays);
@@ -53,7 +55,7 @@ Status add_model_truth(const StageRequest& r, const Metadata& metadata,
                                                 file.display,
                                                 (paths + options.rays - 1) / options.rays)
                            .with_context(r.truth));
-    stage.truth = make_model_truth_renderer(truth, background, options);
+    stage.truth = make_model_truth_renderer(truth, frame, background, options);
     return {};
 }
 
@@ -101,20 +103,20 @@ Status open_texture_of(const StageRequest& r, Stage& stage) {
     return {};
 }
 
-// Meshes that keep the units of their cameras, unlike those of bakes, may be anywhere and of any
-// size.
-CameraPose pose_for(const SurfaceMesh& mesh) {
-    constexpr double paper_radius = 3.6, least_radius = 2.0; // of what the default pose shows well
-    glm::dvec3 low(mesh.positions.front()), high(low);
-    for (const glm::vec3& p : mesh.positions) {
-        low = glm::min(low, glm::dvec3(p));
-        high = glm::max(high, glm::dvec3(p));
-    }
-    const glm::dvec3 far = glm::max(-low, high), centre = 0.5 * (low + high);
-    const double radius = 0.5 * glm::length(high - low);
-    if (std::max({far.x, far.y, far.z}) <= paper_radius && radius >= least_radius)
+// Meshes of models and photographs have their own units and place. Those that fill the sphere of the
+// paper's scene, as the built-in scenes do, are seen as that scene. As defaultPose() in
+// tools/web/viewer/surfaces.js.
+ViewFrame frame_of(const SurfaceMesh& mesh) {
+    constexpr double paper_extent = 3.6, least_radius = 2.0, most_away = 1.0;
+    const MeshBounds bounds = bounds_of(mesh);
+    const glm::dvec3 far = glm::max(-bounds.low, bounds.high), centre = bounds.centre();
+    double radius = 0.0;
+    for (const glm::vec3& p : mesh.positions)
+        radius = std::max(radius, glm::length(glm::dvec3(p) - centre));
+    if (std::max({far.x, far.y, far.z}) <= paper_extent && radius >= least_radius &&
+        glm::length(centre) <= most_away)
         return {};
-    return {centre + glm::dvec3(2.5 * radius, 0.0, 0.0), centre};
+    return {centre, radius / corpus::paper_radius};
 }
 
 Status find_surface(const StageRequest& r, const RenderOptions& options, Stage& stage,
@@ -125,7 +127,7 @@ Status find_surface(const StageRequest& r, const RenderOptions& options, Stage& 
     if (!stage.planar && r.focus)
         return {ErrorCode::bad_argument, "--focus can only be used with planar views"};
     if (surface.mesh && !surface.mesh->mesh.positions.empty())
-        stage.usual_pose = pose_for(surface.mesh->mesh);
+        stage.frame = frame_of(surface.mesh->mesh);
     if (stage.planar && (r.via != "cpu" || !r.truth.empty()))
         return {ErrorCode::unsupported,
                 r.file + ": planar views need --via cpu and cannot be compared with --truth"};

@@ -46,7 +46,7 @@ struct Stage {
     TextureDesc desc;
     std::optional<SphereWindow> window; // present for textures on spheres
     std::optional<PlanarViews> planar;  // present for planar views
-    CameraPose usual_pose;              // sees all of the texture
+    ViewFrame frame;                    // of the poses that see all of the texture
     std::unique_ptr<TexelSource> texels, original;
     std::vector<OpenLayerFile> layers; // besides the file's own texture
     std::vector<std::unique_ptr<TexelSource>> layer_texels;

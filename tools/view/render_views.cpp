@@ -44,7 +44,7 @@ Result<std::vector<NamedPose>> poses_of(const ViewRequest& request, const Camera
     }
     if (request.views.empty())
         return std::vector<NamedPose>{{"view", pose}};
-    const std::vector<NamedPose> paper = paper_views();
+    const std::vector<NamedPose> paper = paper_views(request.frame);
     if (request.views == "paper")
         return paper;
     std::uint64_t number = 0;
@@ -58,7 +58,7 @@ Result<std::vector<NamedPose>> poses_of(const ViewRequest& request, const Camera
 } // namespace
 
 Result<std::vector<PlannedView>> plan_views(const ViewRequest& request) {
-    CameraPose pose = request.usual;
+    CameraPose pose = request.frame({});
     Lens lens;
     lens.fov = request.fov;
     if (!request.eye.empty())

@@ -12,13 +12,13 @@
 namespace tessera {
 
 struct ViewRequest {
-    std::string eye, look; // "x,y,z"; empty: those of `usual`
-    CameraPose usual;
-    std::string camera; // of the file, by name; empty: eye and look
-    std::string size;   // of the picture, "WxH"; empty: the default of Lens
-    double fov = 45;    // vertical, degrees
-    std::string views;  // "paper" or the number of one of its views; empty: eye and look
-    unsigned orbit = 0; // number of frames; 0: no orbit
+    std::string eye, look; // "x,y,z"; empty: those of CameraPose in `frame`
+    ViewFrame frame;       // of that pose and of the views
+    std::string camera;    // of the file, by name; empty: eye and look
+    std::string size;      // of the picture, "WxH"; empty: the default of Lens
+    double fov = 45;       // vertical, degrees
+    std::string views;     // "paper" or the number of one of its views; empty: eye and look
+    unsigned orbit = 0;    // number of frames; 0: no orbit
     std::string output;
     // A description of photographs for corpus::read_photographs(), whose cameras draw the views;
     // empty: one of the cameras above.

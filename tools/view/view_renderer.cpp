@@ -85,16 +85,17 @@ private:
 class ModelTruthRenderer final : public ViewRenderer {
 public:
     ModelTruthRenderer(std::shared_ptr<const corpus::ModelTruth> truth,
-                       const glm::dvec3& background, const RenderOptions& options)
-        : truth_(std::move(truth)), background_(background), options_(options) {}
+                       const corpus::ModelFrame& frame, const glm::dvec3& background,
+                       const RenderOptions& options)
+        : truth_(std::move(truth)), frame_(frame), background_(background), options_(options) {}
 
     Result<View> render(const Camera& camera) override {
         std::vector<int> workers(thread_count(options_.threads));
-        return draw_rays(camera, workers, options_,
-                         [&](int, const glm::dvec3& direction) -> Result<glm::dvec3> {
-                             return truth_->see(camera.eye, direction, name_of_ray(direction))
-                                 .value_or(background_);
-                         });
+        const glm::dvec3 eye = frame_.from_file(camera.eye);
+        return draw_rays(
+            camera, workers, options_, [&](int, const glm::dvec3& direction) -> Result<glm::dvec3> {
+                return truth_->see(eye, direction, name_of_ray(direction)).value_or(background_);
+            });
     }
 
 private:
@@ -107,6 +108,7 @@ private:
     }
 
     std::shared_ptr<const corpus::ModelTruth> truth_;
+    corpus::ModelFrame frame_;
     glm::dvec3 background_;
     RenderOptions options_;
 };
@@ -178,8 +180,9 @@ std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene,
 
 std::unique_ptr<ViewRenderer>
 make_model_truth_renderer(std::shared_ptr<const corpus::ModelTruth> truth,
-                          const glm::dvec3& background, const RenderOptions& options) {
-    return std::make_unique<ModelTruthRenderer>(std::move(truth), background, options);
+                          const corpus::ModelFrame& frame, const glm::dvec3& background,
+                          const RenderOptions& options) {
+    return std::make_unique<ModelTruthRenderer>(std::move(truth), frame, background, options);
 }
 
 } // namespace tessera

@@ -114,9 +114,10 @@ std::unique_ptr<ViewRenderer> make_truth_renderer(corpus::Scene scene,
 
 // Path traces a model with options.rays rays per pixel. Each ray averages the light of several
 // paths and then converts the mean to display values; converting every path would give another
-// mean. `background` is the colour of rays that miss the model.
+// mean. `frame` is that of the cameras. `background` is the colour of rays that miss the model.
 std::unique_ptr<ViewRenderer>
 make_model_truth_renderer(std::shared_ptr<const corpus::ModelTruth> truth,
-                          const glm::dvec3& background, const RenderOptions& options);
+                          const corpus::ModelFrame& frame, const glm::dvec3& background,
+                          const RenderOptions& options);
 
 } // namespace tessera

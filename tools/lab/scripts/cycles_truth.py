@@ -107,12 +107,8 @@ if len(rival) > 3 and rival[3] == 'gltf':
 scene = bpy.context.scene
 bpy.context.view_layer.update()
 
-# `tessera bake` moves and scales the model. Here the camera moves instead.
-corners = np.array([o.matrix_world @ v.co for o in scene.objects if o.type == 'MESH'
-                    for v in o.data.vertices])
-middle = (corners.min(0) + corners.max(0)) / 2
-unit = np.linalg.norm(corners - middle, axis=1).max() / 3.5
-start, target = (Vector(middle) + place(text) * unit for text in (eye, look))
+start, target = (place(text) for text in (eye, look))
+unit = (target - start).length / 10
 camera = bpy.data.cameras.new('camera')
 camera.sensor_fit, camera.angle = 'VERTICAL', math.radians(float(fov))
 camera.clip_start, camera.clip_end = .01 * unit, 1000 * unit

@@ -11,18 +11,18 @@ script=$(dirname "$0")/cycles_truth.py
 exposure=0.0005 # The brightest lamp reaches 1,700.
 mkdir -p "$out"
 
-# compare NAME MODEL EYE MATERIALS-TO-OMIT options of bake...
+# compare NAME MODEL EYE LOOK MATERIALS-TO-OMIT options of bake...
 compare() {
-    name=$1 model=$2 eye=$3 omitted=$4
-    shift 4
+    name=$1 model=$2 eye=$3 look=$4 omitted=$5
+    shift 5
     # The truth needs only the .tess's metadata, so its texture is tiny.
-    "$tool" bake "$model" -o "$out/$name.tess" --single --density 2 --directions 1x1 --effort 0 \
+    "$tool" bake "$model" -o "$out/$name.tess" --layered --texels 4000 --effort 0 \
         --spp 1 --env "$environment" --exposure $exposure -q "$@"
     # One ray at each of 4x4 places per pixel: the script joins them in linear light.
-    "$tool" render "$out/$name.tess" -o "$out/$name.exr" --eye "$eye" --pixels 800x600 --rays 1 \
+    "$tool" render "$out/$name.tess" -o "$out/$name.exr" --eye "$eye" --look "$look" --pixels 800x600 --rays 1 \
         --truth "$model" --truth-spp $((paths / 16)) --write-all -q
     for lobes in blender gltf; do
-        blender -b --python-exit-code 1 -P "$script" -- "$model" "$environment" "$eye" 0,0,0 45 \
+        blender -b --python-exit-code 1 -P "$script" -- "$model" "$environment" "$eye" "$look" 45 \
             200x150 "$paths" "$out/$name-$lobes.exr" "$out/$name-truth.exr" $exposure "$omitted" \
             $lobes > "$out/$name-$lobes.log"
         printf '%s, diffuse lobe of %s: ' "$name" $lobes
@@ -30,9 +30,9 @@ compare() {
     done
 }
 
-compare cornell "$models/CornellBox.glb" 0,0,9 ''
-compare teapot "$models/teapot.obj" 6,4,6 '' --metal 1 --roughness 0.1
-compare alpha "$models/AlphaBlendModeTest.glb" 0,0.5,6 ''
-compare alpha-unblended "$models/AlphaBlendModeTest.glb" 0,0.5,6 MatBlend
-compare sunglasses "$models/SunglassesKhronos.glb" 2,2,6 lens_interior,lens_exterior,nose_pads
-compare helmet "$models/FlightHelmet/FlightHelmet.gltf" 2.1,1.3,7.7 LensesMat
+compare cornell "$models/CornellBox.glb" -278,274.4,955.6 -278,274.4,-279.6 ''
+compare teapot "$models/teapot.obj" 5.943,5.392,5.727 0.217,1.575,0 '' --metal 1 --roughness 0.1
+compare alpha "$models/AlphaBlendModeTest.glb" 0,1.744,7.632 0,1.099,-0.1 ''
+compare alpha-unblended "$models/AlphaBlendModeTest.glb" 0,1.744,7.632 0,1.099,-0.1 MatBlend
+compare sunglasses "$models/SunglassesKhronos.glb" 0.0608,0.0896,0.106 0,0.0288,-0.0764 lens_interior,lens_exterior,nose_pads
+compare helmet "$models/FlightHelmet/FlightHelmet.gltf" 0.2443,0.5218,0.9844 -0.02035,0.358,0.01419 LensesMat

@@ -24,23 +24,28 @@ view() {
         --fov "$6" --pixels 320x240 --truth "$2" --truth-spp 256 --write-all --json > "$result.json"
 }
 
-# Three poses close by and four whole, in the units of `bake`.
+# Three poses close by and four whole.
 helmet_views() {
-    view "$1" "$helmet" c1 0.9,1.75,2.9 0,1.2,0.2 36
-    view "$1" "$helmet" c2 -3.3,0.9,1.9 -0.3,0.75,0.1 36
-    view "$1" "$helmet" c3 0.7,0.5,2.5 0,0.35,0.3 36
-    view "$1" "$helmet" w1 2.1,1.3,7.7 0,0,0 45
-    view "$1" "$helmet" w2 -5.9,2,4.8 0,0,0 45
-    view "$1" "$helmet" w3 6.5,0.8,-4.5 0,0,0 45
-    view "$1" "$helmet" w4 1,5.8,5 0,0,0 45
+    view "$1" "$helmet" c1 0.09305,0.5785,0.3796 -0.02035,0.5092,0.03939 36
+    view "$1" "$helmet" c2 -0.4362,0.4714,0.2536 -0.05815,0.4525,0.02679 36
+    view "$1" "$helmet" c3 0.06785,0.421,0.3292 -0.02035,0.4021,0.05199 36
+    view "$1" "$helmet" w1 0.2443,0.5218,0.9844 -0.02035,0.358,0.01419 45
+    view "$1" "$helmet" w2 -0.7638,0.61,0.619 -0.02035,0.358,0.01419 45
+    view "$1" "$helmet" w3 0.7987,0.4588,-0.5528 -0.02035,0.358,0.01419 45
+    view "$1" "$helmet" w4 0.1057,1.089,0.6442 -0.02035,0.358,0.01419 45
 }
 
-# Two poses close by and two whole, for a model that fills the sphere of radius 3.5.
+# Two poses close by and two whole, around the middle of a model, X,Y,Z, whose farthest vertex is 3.5 * U
+# away from it: usual_views NAME MODEL X,Y,Z U
 usual_views() {
-    view "$1" "$2" c1 2.5,1.5,5 0,0.3,0 36
-    view "$1" "$2" c2 -3.5,2.5,3.5 0,0,0 36
-    view "$1" "$2" w1 2.1,1.3,9 0,0,0 45
-    view "$1" "$2" w2 -6,4,-6 0,0,0 45
+    for pose in c1:2.5,1.5,5:0,0.3,0:36 c2:-3.5,2.5,3.5:0,0,0:36 w1:2.1,1.3,9:0,0,0:45 w2:-6,4,-6:0,0,0:45; do
+        view "$1" "$2" $(echo "$pose" | awk -F: -v middle="$3" -v unit="$4" '
+            function place(text, p, m) {
+                split(text, p, ","); split(middle, m, ",")
+                return m[1] + unit * p[1] "," m[2] + unit * p[2] "," m[3] + unit * p[3]
+            }
+            { print $1, place($2), place($3), $4 }')
+    done
 }
 
 helmet=$assets/models/FlightHelmet/FlightHelmet.gltf
@@ -76,11 +81,15 @@ END
 }
 helmet_views helmet-flat
 
-for model in bunny suzi pmndrs; do
-    bake "$model-layers" "$assets/$model.glb" --layered --texels 200000
-    usual_views "$model-layers" "$assets/$model.glb"
-    bake "$model-single" "$assets/$model.glb" --spp 4
-    usual_views "$model-single" "$assets/$model.glb"
+for placed in bunny:0,0.024,0:0.358 suzi:0,0,0.016:0.291 pmndrs:0,0,0:1.44; do
+    model=${placed%%:*} frame=${placed#*:}
+    for kind in layers single; do
+        case $kind in
+        layers) bake "$model-layers" "$assets/$model.glb" --layered --texels 200000 ;;
+        single) bake "$model-single" "$assets/$model.glb" --single --spp 4 ;;
+        esac
+        usual_views "$model-$kind" "$assets/$model.glb" "${frame%:*}" "${frame#*:}"
+    done
 done
 
 python3 - "$out" << 'END'

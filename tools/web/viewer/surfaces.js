@@ -53,11 +53,17 @@ class MeshSurface {
         this.centre = scale(add(mesh.low, mesh.high), 0.5);
         this.radius = Math.hypot(...sub(mesh.high, mesh.low)) / 2;
     }
-    // Meshes that keep the units of their cameras, unlike those of bakes, may be anywhere and of any size.
+    // Meshes of models and photographs may be anywhere and of any size. Those that fill the sphere of the paper's scene
+    // are seen as that scene.
     defaultPose() {
         const {low, high} = this.bounds, far = Math.max(...low.map(Math.abs), ...high.map(Math.abs));
-        return far <= 3.6 && this.radius >= 2 ? {eye: [10, 0, 0], look: [0, 0, 0]}
-                                              : {eye: add(this.centre, [2.5 * this.radius, 0, 0]), look: this.centre};
+        const {centre, mesh: {positions}} = this;
+        let radius = 0;
+        for (let i = 0; i < positions.length; i += 3)
+            radius = Math.max(radius, Math.hypot(...[0, 1, 2].map(axis => positions[i + axis] - centre[axis])));
+        return far <= 3.6 && radius >= 2 && Math.hypot(...centre) <= 1 
+            ? {eye: [10, 0, 0], look: [0, 0, 0]}
+            : {eye: add(centre, [10 / 3.5 * radius, 0, 0]), look: centre};
     }
     allowed() {
         return true;
