@@ -4,6 +4,7 @@
 #include "corpus/layers/environment_layer.h"
 #include "corpus/layers/light_layers.h"
 #include "corpus/layers/material_layers.h"
+#include "corpus/layers/sharp_reflections.h"
 
 #include <glm/geometric.hpp>
 
@@ -53,7 +54,8 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     // Whole tiles of the finest layers. Those of other sides would begin at odd texels, across
     // charts, and without mips.
     layout.side_step = std::max(LayerTexture().tile[axis_u] / options.light_texel, 1u);
-    layout.position_bits = options.position_bits;
+    const bool sharp = reflects_sharply(model);
+    layout.position_bits = sharp ? options.sharp_position_bits : options.position_bits;
     TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_layer_atlas(model, layout, options.normal_bits));
     ModelLayers out;
     out.mesh = atlas.stream;
@@ -77,12 +79,17 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
                            bake_visibility_layer(coarse, places, out.lights, options.run));
         out.layers.push_back(std::move(visibility));
     }
-    const ReflectionOptions reflection{.cell = options.reflection_texel / options.light_texel,
-                                       .directions = options.directions,
-                                       .samples = options.samples,
-                                       .seed = options.light.seed,
-                                       .exposure = options.exposure,
-                                       .distant = out.lights.empty()};
+    const Texels2 texels = fine.texel_places().size();
+    const ReflectionLayout mirrored =
+        reflection_layout(static_cast<double>(texels[0]) * texels[1], sharp);
+    const ReflectionOptions reflection{
+        .cell = std::max(mirrored.texel / options.light_texel, 1u),
+        .directions =
+            options.directions.value_or(Texels2{mirrored.directions, mirrored.directions}),
+        .samples = std::max(options.samples / mirrored.fewer_paths, 1u),
+        .seed = options.light.seed,
+        .exposure = options.exposure,
+        .distant = out.lights.empty()};
     TESSERA_TRY_ASSIGN(LayerTexture reflected,
                        bake_reflection_layer(coarse, places, tracer, reflection, options.run));
     out.layers.push_back(std::move(reflected));

@@ -5,6 +5,8 @@
 #include "corpus/layers/place_light.h"
 #include "corpus/model_surface/model_atlas.h"
 
+#include <optional>
+
 namespace tessera::corpus {
 
 struct ModelLayersOptions {
@@ -12,13 +14,12 @@ struct ModelLayersOptions {
     double density = 0;        // texels per world unit; 0: such that the surface has `texels`
     unsigned lights = 16;
     std::uint32_t light_texel = 2;       // texels along a side of one of the visibility
-    std::uint32_t reflection_texel = 32; // the same of the reflection
-    Texels2 directions{8, 8};            // of the reflection
-    unsigned samples = 64;               // paths per texel of the reflection
+    std::optional<Texels2> directions{}; // of the reflection; else those of reflection_layout()
+    unsigned samples = 64;               // paths per texel of the reflection, on rough surfaces
     PlaceLightOptions light;
     double exposure = 1.0;
-    unsigned position_bits = 11;
-    unsigned normal_bits = 6; // if the mesh has normals
+    unsigned position_bits = 11, sharp_position_bits = 14; // the latter if it reflects_sharply()
+    unsigned normal_bits = 6;                              // if the mesh has normals
     BakeRun run;
 };
 

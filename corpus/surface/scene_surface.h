@@ -18,7 +18,7 @@ struct SurfaceOptions {
     // the place and with the direction. Directions are sampled more coarsely, so bytes are better
     // spent there.
     double mirror_density = 0.25;
-    double tolerance = 0.2 * paper_pixel; // between polygons and the true surface; see patch.h
+    double tolerance = 0.35 * paper_pixel; // between polygons and the true surface; see patch.h
 };
 
 struct SceneSurface {

@@ -36,7 +36,7 @@ SurfaceDetail surface_detail(const Scene& scene, const SurfaceWish& wish) {
     }
     const std::uint32_t side = all_shine ? 24 : any_shine ? 16 : 1;
     const Texels2 directions = wish.directions.value_or(Texels2{side, side});
-    return {wish.density.value_or(any_pattern ? 64.0 : 32.0), directions,
+    return {wish.density.value_or(any_pattern ? 64.0 : 16.0), directions,
             wish.tile.value_or(tile_for(all_shine, directions))};
 }
 

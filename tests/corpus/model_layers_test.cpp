@@ -3,6 +3,7 @@
 #include "corpus/layers/environment_layer.h"
 #include "corpus/layers/layer_trial.h"
 #include "corpus/layers/model_layers.h"
+#include "corpus/layers/sharp_reflections.h"
 #include "corpus/trace/path_random.h"
 #include "tests/support/traced_squares.h"
 
@@ -324,6 +325,34 @@ TEST(ModelLayers, SmoothSurfacesMirrorTheEnvironment) {
 }
 
 // A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one keeps.
+TEST(ModelLayers, SharpReflectionsGetMorePlacesAndDirections) {
+    Model model = cube_model();
+    model.materials[0].metal = 1.0;
+    model.materials[0].roughness = 0.5;
+    EXPECT_FALSE(reflects_sharply(model));
+    const ModelLayers rough = baked(model, white_light(), quick());
+    model.materials[0].roughness = 0.1;
+    EXPECT_TRUE(reflects_sharply(model));
+    ModelLayersOptions options = quick();
+    const ModelLayers smooth = baked(model, white_light(), options);
+    const Extent4 few = layer(rough, LayerRole::reflection).desc.size;
+    const Extent4 many = layer(smooth, LayerRole::reflection).desc.size;
+    EXPECT_GT(many[axis_u], 4 * few[axis_u]);
+    EXPECT_EQ(few[axis_s], 8u);
+    EXPECT_EQ(many[axis_s], 24u);
+    options.directions = Texels2{4, 4};
+    EXPECT_EQ(layer(baked(model, white_light(), options), LayerRole::reflection).desc.size[axis_s],
+              4u);
+    // A picture can make a material rough.
+    model.images.push_back({1, 1, {{255, 255, 255, 255}}});
+    model.materials[0].metal_roughness_texture.image = 0;
+    EXPECT_TRUE(reflects_sharply(model));
+    model.materials[0].roughness = 1.0;
+    EXPECT_FALSE(reflects_sharply(model));
+    model.images[0].texels[0][1] = 25;
+    EXPECT_TRUE(reflects_sharply(model));
+}
+
 TEST(EnvironmentLayer, LobesBlurTheEnvironment) {
     const auto light_at = [](const LayerTexture& layer, std::size_t texel) {
         const double root = srgb_to_linear(std::to_integer<int>(layer.texels[3 * texel]) / 255.0);

@@ -40,6 +40,13 @@ TEST_F(LayeredModels, LookLikeTheirTruth) {
     EXPECT_EQ(bytes, slurp(at("a.tess")).size());
     // The first layer alone is an ordinary texture.
     succeed("decode a.tess -o a.png");
+    succeed("decode a.tess --layer diffuse -o diffuse.png -q");
+    EXPECT_TRUE(slurp(at("a.png")) == slurp(at("diffuse.png")));
+    const Json visibility = json("decode a.tess --layer visibility -o visibility.raw --json");
+    EXPECT_EQ(visibility["size"], info["layers"][4]["size"]);
+    EXPECT_EQ(visibility["raw_bytes"], slurp(at("visibility.raw")).size());
+    fail(1, "decode a.tess --layer opacity -o x.png",
+         {"--layer", "a.tess", "opacity", "diffuse, specular, roughness"});
     succeed(lit + "--quality 70 --threads 1 -q -o new/folder/b.tess");
     EXPECT_TRUE(slurp(at("a.tess")) == slurp(at("new/folder/b.tess")));
     EXPECT_TRUE(slurp(at("a.tess")) == run(lit + "--quality 70 -q -o -").out);

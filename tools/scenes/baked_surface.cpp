@@ -26,7 +26,7 @@ Result<BakedSurface> bake_surface(const SurfaceBake& bake) {
     options.atlas.density = baked.detail.density;
     options.atlas.tile = {tile[axis_u], tile[axis_v]};
     TESSERA_TRY_ASSIGN(corpus::SceneSurface surface, corpus::make_scene_surface(scene, options));
-    TESSERA_TRY_ASSIGN(baked.mesh, encode_mesh(surface.mesh, MeshQuantisation{}));
+    TESSERA_TRY_ASSIGN(baked.mesh, encode_mesh(surface.mesh, {.position_bits = 12, .uv_bits = 11}));
     // The decoded mesh, which differs by the quantisation, is what viewers draw.
     TESSERA_TRY_ASSIGN(SurfaceMesh mesh, decode_mesh(baked.mesh, most_mesh_bytes));
     baked.triangles = mesh.triangles.size();

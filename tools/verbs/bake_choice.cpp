@@ -2,6 +2,7 @@
 
 #include "corpus/layers/layer_trial.h"
 #include "corpus/layers/model_layers.h"
+#include "corpus/layers/sharp_reflections.h"
 #include "corpus/model_surface/model_atlas.h"
 #include "tools/support/parse.h"
 #include "tools/verbs/bake_layers.h"
@@ -46,10 +47,13 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
     if (choice.layered) {
         const corpus::ModelLayersOptions usual;
         const double texels = texels_of(a, model, a.texels.value_or(usual.texels));
-        const double cell = usual.reflection_texel, place = usual.light_texel;
+        const corpus::ReflectionLayout mirrored =
+            corpus::reflection_layout(texels, corpus::reflects_sharply(model));
+        const double cell = mirrored.texel, place = usual.light_texel;
+        const double directions = static_cast<double>(mirrored.directions) * mirrored.directions;
         const double paths =
             texels / (place * place) * (8 * samples + 2.0 * a.lights.value_or(usual.lights)) +
-            texels / (cell * cell) * usual.directions[0] * usual.directions[1] * 4 * samples;
+            texels / (cell * cell) * directions * 4 * samples / mirrored.fewer_paths;
         choice.seconds = (paths * path_seconds + texels * texel_seconds) / threads;
         own = texels * bytes_per_texel;
     } else {

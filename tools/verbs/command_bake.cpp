@@ -206,7 +206,7 @@ void declare(CLI::App& c, BakeCommand& a) {
     sphere.option("--size", "UxVxSxT", a.texture.size, "Size of the texture. Default: see --list");
     sphere.option("--seed", "N", a.seed, "Seed of the sample pattern. Default: 1");
     mesh.option("--density", "N", a.density,
-                "Texels per world unit, fewer on mirrors and at a distance. Default: 32, or 64 for "
+                "Texels per world unit, fewer on mirrors and at a distance. Default: 16, or 64 for "
                 "patterned objects; models, in their own units: such that there are 60,000",
                 number_between(1e-6, 1e9));
     mesh.option("--directions", "SxT", a.directions,

@@ -8,15 +8,18 @@
 #include "tools/support/texture_arguments.h"
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/command.h"
+#include "tools/view/layer_files.h"
 
 #include <chrono>
 #include <cstdio>
+#include <memory>
+#include <optional>
 
 namespace tessera {
 namespace {
 
 struct DecodeCommand {
-    std::string input, output, box, memory;
+    std::string input, output, layer, box, memory;
     TextureArguments texture; // threads and quiet
     bool json = false;
 };
@@ -57,9 +60,9 @@ Status hold_picture(const std::string& path, std::uint64_t bytes, std::uint64_t&
     return {};
 }
 
-Status decode_into(const DecodeCommand& a, const Decoder& decoder, const Box4& box,
-                   TextureDesc desc) {
+Status decode_into(const DecodeCommand& a, const Decoder& decoder, const Box4& box) {
     TESSERA_TRY_ASSIGN(auto slab_bytes, slab_budget(a.memory, a.texture.threads));
+    TextureDesc desc = decoder.desc();
     desc.size = box.extent();
     if (kind_of(a.output) == TextureKind::picture)
         TESSERA_TRY(with_memory_hint(
@@ -113,20 +116,30 @@ Status run(const DecodeCommand& a) {
     const DecodeOptions opening = within_budget(a.texture.decode, slab_bytes);
     const auto start = std::chrono::steady_clock::now();
     TESSERA_TRY_ASSIGN(const auto file, open_tess_bytes(a.input, "decode"));
-    const auto decoder = Decoder::open(*file, opening);
-    if (!decoder.ok())
-        return with_partial_hint(with_memory_hint(decoder.status()), *file, opening);
-    const TextureDesc desc = decoder->desc();
-    Box4 box = Box4::whole(desc.size);
-    if (!a.box.empty()) {
-        TESSERA_TRY_ASSIGN(box, parse_box(a.box, desc.size).with_context("--box"));
+    const auto first = Decoder::open(*file, opening);
+    if (!first.ok())
+        return with_partial_hint(with_memory_hint(first.status()), *file, opening);
+    std::unique_ptr<ByteSource> layer;
+    std::optional<Decoder> of_layer;
+    if (!a.layer.empty()) {
+        TESSERA_TRY_ASSIGN(layer,
+                           find_layer(*file, first->container(), a.layer).with_context("--layer"));
     }
-    TESSERA_TRY(decode_into(a, *decoder, box, desc));
+    if (layer) {
+        TESSERA_TRY_ASSIGN(Decoder opened, Decoder::open(*layer, opening));
+        of_layer.emplace(std::move(opened));
+    }
+    const Decoder& decoder = of_layer ? *of_layer : *first;
+    Box4 box = Box4::whole(decoder.desc().size);
+    if (!a.box.empty()) {
+        TESSERA_TRY_ASSIGN(box, parse_box(a.box, box.extent()).with_context("--box"));
+    }
+    TESSERA_TRY(decode_into(a, decoder, box));
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     if (a.json)
-        print_json(to_json(a, *decoder, *file, box, seconds.count()));
+        print_json(to_json(a, decoder, *file, box, seconds.count()));
     else if (!a.texture.quiet)
-        print_summary(a, *decoder, *file, box, seconds.count());
+        print_summary(a, decoder, *file, box, seconds.count());
     return {};
 }
 
@@ -140,6 +153,10 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
                      "What to write: .exr, raw samples (.rgb ...), folder/ of views, .png or .jpg "
                      "(a mosaic or a quilt); - is raw samples on standard output")
             ->required();
+        c.add_option("--layer", a.layer,
+                     "The layer to decode, of a file that has several: diffuse, specular, normal "
+                     "...; info lists them. Default: the first one, diffuse")
+            ->option_text("NAME");
         c.add_option("--box", a.box,
                      "The part to decode, half-open; ':' is a whole axis. Default: everything")
             ->option_text("U0:U1,V0:V1,S0:S1,T0:T1");
@@ -156,6 +173,7 @@ void add_decode_command(CLI::App& app, Invocation& chosen) {
         "quilts the columns, that they were encoded from.\n\n"
         "Examples:\n"
         "  tessera decode scene.tess -o scene.exr\n"
+        "  tessera decode helmet.tess --layer normal -o normals.png\n"
         "  tessera decode scene.tess -o - | sha256sum\n"
         "  tessera decode scene.tess -o views/ --views-pattern 'cam_{t:2}_{s:2}.jpg'\n"
         "  tessera decode beginning.tess --allow-partial -o scene.rgb\n"

@@ -1,5 +1,7 @@
 #include "tools/view/layer_files.h"
 
+#include "tools/support/parse.h"
+
 namespace tessera {
 
 Result<std::vector<OpenLayerFile>> open_layers(ByteSource& file, const ContainerReader& first,
@@ -23,6 +25,22 @@ Result<std::vector<OpenLayerFile>> open_layers(ByteSource& file, const Container
         open.push_back(std::move(layer));
     }
     return open;
+}
+
+Result<std::unique_ptr<ByteSource>> find_layer(ByteSource& file, const ContainerReader& first,
+                                               const std::string& role) {
+    if (!first.layers().any())
+        return Status(ErrorCode::bad_argument, first.name() + ": has no layers");
+    std::string roles = name_of(LayerRole::diffuse);
+    if (role == roles)
+        return std::unique_ptr<ByteSource>();
+    for (const LayerInfo& info : first.layers().further) {
+        if (role == name_of(info.role))
+            return layer_bytes(file, info);
+        roles += std::string(", ") + name_of(info.role);
+    }
+    return Status(ErrorCode::bad_argument,
+                  first.name() + ": has no layer '" + printable(role) + "', but " + roles);
 }
 
 } // namespace tessera

@@ -104,8 +104,7 @@ Status open_texture_of(const StageRequest& r, Stage& stage) {
 }
 
 // Meshes of models and photographs have their own units and place. Those that fill the sphere of the
-// paper's scene, as the built-in scenes do, are seen as that scene. As defaultPose() in
-// tools/web/viewer/surfaces.js.
+// paper's scene are seen as that scene. As defaultPose() in tools/web/viewer/surfaces.js.
 ViewFrame frame_of(const SurfaceMesh& mesh) {
     constexpr double paper_extent = 3.6, least_radius = 2.0, most_away = 1.0;
     const MeshBounds bounds = bounds_of(mesh);
@@ -126,7 +125,7 @@ Status find_surface(const StageRequest& r, const RenderOptions& options, Stage& 
     TESSERA_TRY_ASSIGN(stage.planar, planar_views(container, r.focus));
     if (!stage.planar && r.focus)
         return {ErrorCode::bad_argument, "--focus can only be used with planar views"};
-    if (surface.mesh && !surface.mesh->mesh.positions.empty())
+    if (surface.mesh && !container.metadata().contains("Scene"))
         stage.frame = frame_of(surface.mesh->mesh);
     if (stage.planar && (r.via != "cpu" || !r.truth.empty()))
         return {ErrorCode::unsupported,

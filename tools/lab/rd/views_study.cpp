@@ -58,10 +58,11 @@ std::vector<Carrier> carriers_of(const ViewsOptions& o) {
         sphere({64, 32, 16, 16});
         return all;
     }
-    surface("surface", 32, 16, {36, 44, 52, 60, 68});
-    surface("surface", 32, 24, {40, 50, 60, 70});
-    surface("surface", 32, 8, {36, 46, 56});
+    surface("surface", 16, 24, {32, 40, 48, 56});
     surface("surface", 16, 16, {36, 46, 56});
+    surface("surface", 32, 24, {40, 50, 60, 70});
+    surface("surface", 32, 16, {36, 44, 52, 60, 68});
+    surface("surface", 32, 8, {36, 46, 56});
     surface("surface", 64, 16, {36, 46, 56});
     surface("plain", 32, 1, {40, 56, 72});
     surface("plain", 64, 1, {40, 56, 72});
