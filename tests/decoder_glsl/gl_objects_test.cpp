@@ -1,4 +1,5 @@
 // Buffers, textures, programs, fences and timers on the device.
+#include "decoder_glsl/draw/gl_raster_state.h"
 #include "decoder_glsl/gl/gl_buffer.h"
 #include "decoder_glsl/gl/gl_device.h"
 #include "decoder_glsl/gl/gl_error.h"
@@ -246,6 +247,62 @@ TEST_F(Gl, TextureRoundTrip) {
         const bool integers = format != TexelFormat::rgba8 && format != TexelFormat::rgba16f;
         EXPECT_EQ(texture.interpolate(true).ok(), !integers);
     }
+}
+
+// All that the rasteriser's state changes, as the device reports it.
+std::vector<GLint> raster_state() {
+    std::vector<GLint> state;
+    for (const GLenum name :
+         {GL_DEPTH_TEST, GL_CULL_FACE, GL_MULTISAMPLE, GL_BLEND, GL_FRAMEBUFFER_SRGB,
+          GL_SCISSOR_TEST, GL_STENCIL_TEST, GL_DEPTH_CLAMP, GL_POLYGON_OFFSET_FILL})
+        state.push_back(glIsEnabled(name));
+    for (const GLenum name :
+         {GL_CULL_FACE_MODE, GL_FRONT_FACE, GL_DEPTH_FUNC, GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB,
+          GL_BLEND_SRC_ALPHA, GL_BLEND_DST_ALPHA, GL_BLEND_EQUATION_RGB, GL_BLEND_EQUATION_ALPHA,
+          GL_DEPTH_WRITEMASK, GL_COLOR_WRITEMASK, GL_VIEWPORT, GL_CLIP_ORIGIN, GL_CLIP_DEPTH_MODE,
+          GL_DRAW_FRAMEBUFFER_BINDING}) {
+        GLint values[4] = {};
+        glGetIntegerv(name, values);
+        state.insert(state.end(), values, values + 4);
+    }
+    return state;
+}
+
+TEST_F(Gl, DrawingRestoresTheStateOfTheRasteriser) {
+    const std::vector<GLint> usual = raster_state();
+    GLint viewport[4];
+    glGetIntegerv(GL_VIEWPORT, viewport);
+    glEnable(GL_BLEND);
+    glEnable(GL_SCISSOR_TEST);
+    glDisable(GL_MULTISAMPLE);
+    glBlendFuncSeparate(GL_DST_COLOR, GL_ONE, GL_ZERO, GL_SRC_ALPHA);
+    glBlendEquationSeparate(GL_MAX, GL_FUNC_REVERSE_SUBTRACT);
+    glDepthFunc(GL_NOTEQUAL);
+    glDepthMask(GL_FALSE);
+    glColorMask(GL_TRUE, GL_FALSE, GL_TRUE, GL_FALSE);
+    glFrontFace(GL_CW);
+    glViewport(1, 2, 3, 4);
+    const std::vector<GLint> before = raster_state();
+    {
+        GlRasterState state(0, 8, 8);
+        EXPECT_NE(raster_state(), before);
+        state.write_depths();
+        state.write_colours();
+        state.blend_colours();
+        state.write_linear(true);
+    }
+    EXPECT_EQ(raster_state(), before);
+    glDisable(GL_BLEND);
+    glDisable(GL_SCISSOR_TEST);
+    glEnable(GL_MULTISAMPLE);
+    glBlendFunc(GL_ONE, GL_ZERO);
+    glBlendEquation(GL_FUNC_ADD);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glFrontFace(GL_CCW);
+    glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+    EXPECT_EQ(raster_state(), usual);
 }
 
 TEST_F(Gl, TextureErrors) {
