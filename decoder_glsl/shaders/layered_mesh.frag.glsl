@@ -22,10 +22,10 @@ layout(std140, TSR_UNIFORMS(1)) uniform TesseraLayers {
 #endif
 };
 
-layout(location = 0) centroid in vec3 tsr_to_eye;
-layout(location = 1) centroid in vec3 tsr_surface_normal;
-layout(location = 2) centroid in vec3 tsr_surface_tangent;
-layout(location = 3) centroid in vec2 tsr_place;
+layout(location = 0) in vec3 tsr_to_eye;
+layout(location = 1) in vec3 tsr_surface_normal;
+layout(location = 2) in vec3 tsr_surface_tangent;
+layout(location = 3) in vec2 tsr_place;
 
 layout(location = 0) out vec4 tsr_colour;
 

@@ -11,11 +11,12 @@ layout(location = 1) in vec3 tsr_normal;
 layout(location = 2) in vec3 tsr_tangent;
 layout(location = 3) in vec2 tsr_uv;
 
-// Interpolated at the part of a pixel that the triangle covers, so that uv stays in its chart.
-layout(location = 0) centroid out vec3 tsr_to_eye;
-layout(location = 1) centroid out vec3 tsr_surface_normal;
-layout(location = 2) centroid out vec3 tsr_surface_tangent;
-layout(location = 3) centroid out vec2 tsr_place;
+// At the middle of the pixel, also where the triangle does not cover it: gutters of the atlas continue
+// the charts. Between centroids uv would have wrong derivatives, and llvmpipe's are off by pixels.
+layout(location = 0) out vec3 tsr_to_eye;
+layout(location = 1) out vec3 tsr_surface_normal;
+layout(location = 2) out vec3 tsr_surface_tangent;
+layout(location = 3) out vec2 tsr_place;
 
 // The passes for depths and for colours must compute the same depths.
 invariant gl_Position;

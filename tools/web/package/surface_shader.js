@@ -109,8 +109,8 @@ in vec3 position, normal;
 in vec4 tangent;
 in vec2 uv;
 out vec3 toEye;
-centroid out vec3 surfaceNormal, surfaceTangent;
-centroid out vec2 surfacePlace;
+out vec3 surfaceNormal, surfaceTangent;
+out vec2 surfacePlace;
 void main() {
     toEye = ${eye} - position;
     surfaceNormal = normal;
@@ -217,8 +217,8 @@ ${sampling}
 ${layers.map(({name}) => `uniform sampler2D ${name}Layer;`).join('\n')}
 uniform sampler2D lights; // a row per light: direction and spread; irradiance and the sample if it is not blocked
 in vec3 toEye;
-centroid in vec3 surfaceNormal, surfaceTangent;
-centroid in vec2 surfacePlace;
+in vec3 surfaceNormal, surfaceTangent;
+in vec2 surfacePlace;
 out vec4 colour;
 // The four texels around a place in up to two mips of an atlas; count is 0 where the texture unit interpolates.
 struct Places {
