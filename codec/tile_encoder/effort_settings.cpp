@@ -27,19 +27,19 @@ struct EffortRow {
     // The search for copies, see DisplacementRange: in half texels per view. The parallax of most
     // textures is a few texels. 0 rounds: no copies, and no filter either.
     int along, across, likely, rounds;
-    bool dense_tables;
+    bool dense_tables, both_fills;
     int refinements;
     PictureSearch pictures;
 };
 
 constexpr bool on = true, off = false;
 constexpr std::array<EffortRow, most_effort + 1> effort_rows = {{
-    // grids rotation, dependent, recode; copies; dense tables, refinements, pictures
-    {four, off, off, off, 0, 0, 0, 0, off, 0, {}},
-    {seven, on, off, on, 0, 0, 0, 0, off, 0, {}},
-    {seven, on, on, on, 8, 4, 24, 1, off, 0, {1, 0, off, off}},
-    {all, on, on, on, 24, 10, 60, 2, on, 1, {2, 1, on, off}},
-    {all, on, on, on, 24, 10, 0, 4, on, 2, {3, 3, on, on}},
+    // grids rotation, dependent, recode; copies; dense tables, both fills, refinements, pictures
+    {four, off, off, off, 0, 0, 0, 0, off, on, 0, {}},
+    {seven, on, off, on, 0, 0, 0, 0, off, on, 0, {}},
+    {seven, on, on, on, 8, 4, 24, 1, off, off, 0, {1, 0, off, off}},
+    {all, on, on, on, 24, 10, 60, 2, on, off, 1, {2, 1, on, off}},
+    {all, on, on, on, 24, 10, 0, 4, on, on, 2, {3, 3, on, on}},
 }};
 // If a tool switch adds copies to an effort that has none.
 constexpr DisplacementRange usual_range{8, 4};
@@ -71,6 +71,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
                          : usual_range;
     settings.search.copies.half = tools.is_on(CodingTool::half, true);
     settings.quick = settings.search.skip_hollow = !level_copies;
+    settings.code_both_fills = level.both_fills;
     settings.copy_rounds = std::max(level.rounds, 1);
     settings.try_smooth = copies && tools.is_on(CodingTool::smooth, level_copies);
     settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);

@@ -35,9 +35,11 @@ struct EffortSettings {
     bool try_dense = true;        // ... whether tables are learnt from a dense start
     bool balance = true;          // tiles keep the mean of their texels
     bool quick = false;           // small samples, and estimates to choose tiles' shape
+    bool code_both_fills = true;  // of masked tiles, instead of comparing estimates
     int copy_rounds = 1;          // of the search for blocks that copy
     PictureSearch pictures;
-    int refinements = 1; // rounds of splitting and merging at real costs
+    bool quick_bases = false; // base pictures are searched quickly in the last round, too
+    int refinements = 1;      // rounds of splitting and merging at real costs
 
     // For base pictures that are coded again in a later round.
     PictureSearch quick_pictures() const;

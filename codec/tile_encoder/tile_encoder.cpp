@@ -12,6 +12,8 @@ namespace {
 
 constexpr int most_base_rounds = 3; // of improving a base picture; a fourth brings nothing
 constexpr int projections = 1;      // of masked texels (codec/DECISIONS.md)
+// Masked texels stay as they are if the estimate is below this share of that with a fill.
+constexpr float clearly_cheaper = 0.99f;
 
 // Balancing the mean: rounds of coding a tile again, cheapest first, and of moving first levels, as
 // rounding and clamping undo a part of each move.
@@ -86,24 +88,20 @@ void TileEncoder::fill_planes(const TileTexels& tile, const BlockShape& shape) {
     dont_care_.fill(planes_, coding_->planes);
 }
 
-// Encodes the tile with its masked texels filled and, unless these are all alike, as they are: they
-// may continue their neighbours as no fill can guess. The cheaper one is encoded again with masked
-// texels as it decodes them. Its blocks stay, because a search for others saves nothing.
+// Encodes the tile with its masked texels filled or, unless these are all alike, as they are if
+// that is cheaper: they may continue their neighbours as no fill can guess. The tile is encoded
+// again with masked texels as it decodes them. Its blocks stay, because a search for others saves
+// nothing.
 void TileEncoder::encode_masked(const TileTexels& tile, const BlockShape& shape, TileLevels& out) {
     planes_from_texels(tile.texels, *colour_, shape, planes_);
     dont_care_.set(tile.matters, shape);
     if (dont_care_.is_all() || dont_care_.are_alike(planes_, coding_->planes)) {
         dont_care_.fill(planes_, coding_->planes);
         encode_planes(out);
+    } else if (settings_->code_both_fills) {
+        encode_cheaper_fill(out);
     } else {
-        TilePlanes own = planes_;
-        const float as_it_is = encode_planes(out);
-        TileLevels own_levels = out;
-        dont_care_.fill(planes_, coding_->planes);
-        if (encode_planes(out) > as_it_is) {
-            std::swap(planes_, own);
-            std::swap(out, own_levels);
-        }
+        encode_likely_fill(out);
     }
     for (int round = 0; round < projections; ++round) {
         tree_.reconstruct(out);
@@ -117,6 +115,35 @@ void TileEncoder::encode_masked(const TileTexels& tile, const BlockShape& shape,
     }
 }
 
+void TileEncoder::encode_cheaper_fill(TileLevels& out) {
+    TilePlanes own = planes_;
+    const float as_it_is = encode_planes(out);
+    TileLevels own_levels = out;
+    dont_care_.fill(planes_, coding_->planes);
+    if (encode_planes(out) > as_it_is) {
+        std::swap(planes_, own);
+        std::swap(out, own_levels);
+    }
+}
+
+// The same, but the estimates of the block search decide. They do not know copies, which mostly
+// favour the fill.
+void TileEncoder::encode_likely_fill(TileLevels& out) {
+    tree_.search.set_tile(planes_);
+    const float as_it_is = tree_.search.choose_blocks(out);
+    TilePlanes own = planes_;
+    dont_care_.fill(planes_, coding_->planes);
+    tree_.search.set_tile(planes_);
+    const bool fills = clearly_cheaper * tree_.search.choose_blocks(out) <= as_it_is;
+    if (fills && !is_coded_as_picture()) {
+        encode_blocks(false, out);
+        return;
+    }
+    if (!fills)
+        std::swap(planes_, own);
+    encode_planes(out);
+}
+
 float TileEncoder::encode_planes(TileLevels& out) {
     tree_.search.set_tile(planes_);
     return encode_taken(false, out);
@@ -125,13 +152,18 @@ float TileEncoder::encode_planes(TileLevels& out) {
 // Encodes the tile that the search has taken. Returns its cost: squared steps, plus lambda for
 // every bit.
 float TileEncoder::encode_taken(bool is_whole, TileLevels& out) {
-    const bool copies = coding_->predicts && settings_->search.copies.along != 0;
-    if (copies && is_picture(planes_.shape)) {
+    if (is_coded_as_picture()) {
         tree_.begin_tile(false, true);
         return tree_.encode_picture({.shape = planes_.shape}, settings_->pictures, out);
     }
-    tree_.begin_tile(copies, copies || !is_whole);
     tree_.search.choose_blocks(out);
+    return encode_blocks(is_whole, out);
+}
+
+// The same from the blocks of BlockSearch::choose_blocks on.
+float TileEncoder::encode_blocks(bool is_whole, TileLevels& out) {
+    const bool copies = searches_copies();
+    tree_.begin_tile(copies, copies || !is_whole);
     float cost = tree_.encode_plain(out, &level_balance_);
     if (!copies)
         return cost;
@@ -182,7 +214,8 @@ void TileEncoder::try_base(TileLevels& out, float& cost) {
         if (round > 0) // views that copy the base picture are better to copy from
             tree_.search.choose_copies(decoded, copies_);
         make_picture();
-        encode_base(picture_, is_last ? settings_->pictures : settings_->quick_pictures());
+        encode_base(picture_, is_last && !settings_->quick_bases ? settings_->pictures
+                                                                 : settings_->quick_pictures());
         if (!tree_.search.choose_base_copies(decoded, copies_) ||
             copies_.blocks.size() + base.levels.blocks.size() > max_leaves)
             break;

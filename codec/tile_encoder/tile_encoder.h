@@ -45,11 +45,18 @@ private:
     void fill_planes(const TileTexels& tile, const BlockShape& shape);
     void encode_again(const TileLevels& known, TileLevels& out);
     void encode_masked(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
+    void encode_cheaper_fill(TileLevels& out);
+    void encode_likely_fill(TileLevels& out);
     float encode_planes(TileLevels& out);
     float encode_taken(bool is_whole, TileLevels& out);
+    float encode_blocks(bool is_whole, TileLevels& out);
     void try_base(TileLevels& out, float& cost);
     void encode_base(const TilePlanes& picture, const PictureSearch& search);
     void decode_base();
+    bool searches_copies() const {
+        return coding_->predicts && settings_->search.copies.along != 0;
+    }
+    bool is_coded_as_picture() const { return searches_copies() && is_picture(planes_.shape); }
     // Whether the mean is balanced by moving first levels. Otherwise tiles are coded again.
     bool moves_levels() const { return !coding_->parameters.dependent && !coding_->predicts; }
     void balance(const TileTexels& tile, TileLevels& out);

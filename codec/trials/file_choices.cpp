@@ -126,8 +126,10 @@ Result<CodingParameters> FileChoices::prepare(CodingParameters parameters) {
         return parameters;
     EncodePlan plan = plan_;
     plan.effort = plan.effort.for_samples();
-    if (can_have_base_pictures(plan)) // one round tells enough, and a second takes as long
+    if (can_have_base_pictures(plan)) { // one quick round tells enough, and a second takes as long
         plan.effort.copy_rounds = 1;
+        plan.effort.quick_bases = true;
+    }
     if (is_decided() && !plan.effort.try_dense && !plan.colour.corrections) {
         TESSERA_TRY_ASSIGN(const Statistics counts, count_symbols(plan, parameters, sample_));
         tables_ = parameters.parameters = fit_parameters(counts, parameters.defaults);
@@ -149,7 +151,9 @@ Result<CodingParameters> FileChoices::prepare(CodingParameters parameters) {
         if (*base_ != trained.walked.base) {
             parameters.base = *base_;
             parameters.smooth_copies = smooth_.value_or(true);
-            TESSERA_TRY_ASSIGN(trained, train());
+            if (!base_->on) { // a wider margin changes tables and filter too little
+                TESSERA_TRY_ASSIGN(trained, train());
+            }
         }
     }
     if (!smooth_) {
@@ -163,7 +167,9 @@ Result<CodingParameters> FileChoices::prepare(CodingParameters parameters) {
     if (tables_) {
         parameters.parameters = fit_parameters(trained.totals.statistics, parameters.defaults);
     } else {
-        TESSERA_TRY_ASSIGN(parameters.parameters, learn_tables(plan, sample_, trained, parameters));
+        CodingParameters as_trained = parameters;
+        as_trained.base = trained.walked.base; // that of its trees
+        TESSERA_TRY_ASSIGN(parameters.parameters, learn_tables(plan, sample_, trained, as_trained));
     }
     tables_ = parameters.parameters;
     return parameters;
