@@ -16,7 +16,7 @@ namespace tessera {
 namespace {
 
 // Paths for each of --spp.
-constexpr unsigned paths_per_place = 4, rays_per_place = 16, paths_per_reflection = 4;
+constexpr unsigned paths_per_place = 2, rays_per_place = 16, paths_per_reflection = 4;
 
 corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::SurfaceWish& wish,
                                          double exposure) {
@@ -47,6 +47,7 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
                      {"mesh_bytes", baked.mesh.size()},
                      {"texels_per_unit", baked.density},
                      {"lights", baked.lights.size()},
+                     {"noise_db", baked.noise},
                      {"warnings", warnings.json()},
                      {"layers", layers_json(coded)}};
         if (glb)
@@ -61,8 +62,9 @@ void report(const BakeCommand& a, const corpus::ModelLayers& baked, const CodedL
     std::fprintf(to, "%s: %s in %.1f s, %s\n", a.output.c_str(),
                  human_bytes(coded.file.size()).c_str(), seconds, rate_text(coded).c_str());
     print_layers(to, baked, coded);
-    std::fprintf(to, "  %zu lights, %s texels per unit\n", baked.lights.size(),
-                 format_number(baked.density, 3).c_str());
+    std::fprintf(to, "  %zu lights, %s texels per unit, noise of diffuse light %s dB\n",
+                 baked.lights.size(), format_number(baked.density, 3).c_str(),
+                 format_number(baked.noise, 1).c_str());
     if (glb)
         std::fprintf(to, "  glTF file of %s\n", to_string(*glb).c_str());
 }
