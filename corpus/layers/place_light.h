@@ -21,7 +21,7 @@ struct PlaceLightOptions {
 };
 
 // Immutable and thread-safe. Memory: 150 bytes per texel of the atlas, and a byte per texel and
-// light; while it is made, 310 more per texel.
+// light; while it is made, 370 more per texel.
 class PlaceLight {
 public:
     // Errors: those of for_rows().

@@ -50,7 +50,7 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
         const double texels = texels_of(a, model, a.texels.value_or(usual.texels));
         const double cell = usual.reflection_texel, place = usual.light_texel;
         const double paths =
-            texels / (place * place) * (8 * samples + 2.0 * a.lights.value_or(usual.lights)) +
+            texels / (place * place) * (4 * samples + 2.0 * a.lights.value_or(usual.lights)) +
             texels / (cell * cell) * usual.directions[0] * usual.directions[1] * 4 * samples;
         choice.seconds = (paths * path_seconds + texels * texel_seconds) / threads;
         own = texels * bytes_per_texel;
@@ -99,8 +99,11 @@ Result<BakeChoice> choose_layers(const BakeCommand& a, const ModelToBake& model)
     } else if (!of_one.empty()) {
         choice.layered = false;
         choice.why = of_one + " does not apply to layers";
-    } else if (a.texels || a.lights) {
-        choice.why = std::string(a.texels ? "--texels" : "--lights") + " applies to layers only";
+    } else if (a.texels || a.lights || a.noise) {
+        choice.why = std::string(a.texels   ? "--texels"
+                                 : a.lights ? "--lights"
+                                            : "--noise") +
+                     " applies to layers only";
     } else {
         is_asked = false;
     }

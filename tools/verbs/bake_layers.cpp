@@ -15,8 +15,9 @@
 namespace tessera {
 namespace {
 
-// Paths for each of --spp.
-constexpr unsigned paths_per_place = 2, rays_per_place = 16, paths_per_reflection = 4;
+// Paths and rays for each of --spp.
+constexpr unsigned paths_per_place = 2, emitter_rays_per_place = 4, rays_per_place = 16,
+                   paths_per_reflection = 4;
 
 corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::SurfaceWish& wish,
                                          double exposure) {
@@ -28,7 +29,9 @@ corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::Sur
     options.lights = a.lights.value_or(options.lights);
     options.samples = a.samples * paths_per_reflection;
     options.light.diffuse_samples = a.samples * paths_per_place;
+    options.light.emitter_samples = a.samples * emitter_rays_per_place;
     options.light.shadow_samples = a.samples * rays_per_place;
+    options.light.noise = a.noise.value_or(options.light.noise);
     options.light.seed = a.seed.value_or(usual_bake_seed);
     options.run.threads = a.texture.threads;
     options.run.cancelled = [] { return interrupted_by() != 0; };
