@@ -46,61 +46,10 @@ glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& 
     return sum * options.exposure / glm::max(weights, 1e-6);
 }
 
-// The visibility of a light at the texel; beside bodies, where it is unknown, the mean of the texels
-// around it, which are taps of the same places. Nothing if none is known.
-std::optional<double> visibility_around(const ModelPlaces& places, const PlaceLight& light,
-                                        std::uint32_t u, std::uint32_t v, std::size_t number) {
-    if (light.matters(u, v))
-        return light.visibility(u, v, number);
-    const TexelPlaces& texels = places.texel_places();
-    const auto chart_at = [&](std::uint32_t x, std::uint32_t y) {
-        return texels.chart_of(texels.place(x, y, {0.0, 0.0}).triangle);
-    };
-    if (!texels.matters(u, v))
-        return std::nullopt;
-    double sum = 0, count = 0;
-    for (std::uint32_t y = v - std::min(v, 1u); y <= std::min(v + 1, texels.size()[1] - 1); ++y)
-        for (std::uint32_t x = u - std::min(u, 1u); x <= std::min(u + 1, texels.size()[0] - 1); ++x)
-            if (light.matters(x, y) && chart_at(x, y) == chart_at(u, v)) {
-                sum += light.visibility(x, y, number);
-                ++count;
-            }
-    return count > 0.0 ? std::optional(sum / count) : std::nullopt;
-}
-
 // Dim reflections need less precision: an error of a sample is multiplied by the scale.
 double quality_for_scale(double scale) {
     constexpr double usual_scale = 8.0, per_doubling = 3.5;
     return std::clamp(per_doubling * std::log2(scale / usual_scale), -36.0, 6.0);
-}
-
-// Gives empty cells beside others the mean of these, because places at the border of a chart are
-// interpolated with them.
-void fill_beside(LayerTexture& texture, LightTexels& arriving) {
-    const std::uint32_t width = texture.desc.size[axis_u], height = texture.desc.size[axis_v];
-    const std::size_t views = std::size_t{texture.desc.size[axis_s]} * texture.desc.size[axis_t];
-    const std::vector<std::byte> known = texture.mask;
-    for (std::uint32_t v = 0; v < height; ++v)
-        for (std::uint32_t u = 0; u < width; ++u) {
-            const std::size_t cell = std::size_t{v} * width + u;
-            if (known[cell] != std::byte{0})
-                continue;
-            float count = 0;
-            for (std::uint32_t y = v - std::min(v, 1u); y <= std::min(v + 1, height - 1); ++y)
-                for (std::uint32_t x = u - std::min(u, 1u); x <= std::min(u + 1, width - 1); ++x) {
-                    const std::size_t other = std::size_t{y} * width + x;
-                    if (known[other] == std::byte{0})
-                        continue;
-                    ++count;
-                    for (std::size_t i = 0; i < views; ++i)
-                        arriving[cell * views + i] += arriving[other * views + i];
-                }
-            if (count == 0.0f)
-                continue;
-            texture.mask[cell] = std::byte{1};
-            for (std::size_t i = 0; i < views; ++i)
-                arriving[cell * views + i] /= count;
-        }
 }
 
 } // namespace
@@ -119,13 +68,12 @@ Result<LayerTexture> bake_visibility_layer(const ModelPlaces& places, const Plac
     const std::vector<double> peaks = visibility_peaks(lights);
     TESSERA_TRY(for_rows("baking visibility", size[1], run, [&](std::uint32_t v) {
         for (std::uint32_t u = 0; u < size[0]; ++u) {
-            if (!visibility_around(places, light, u, v, 0))
+            if (!light.matters(u, v))
                 continue;
             const glm::dvec3 normal = places.place(u, v, {0.0, 0.0}).frame.ez;
             const std::size_t first = (std::size_t{v} * size[0] + u) * side * side;
             for (std::size_t j = 0; j < lights.size(); ++j) {
-                store_values(texture, first + j,
-                             {peaks[j] * *visibility_around(places, light, u, v, j) / 255.0});
+                store_values(texture, first + j, {peaks[j] * light.visibility(u, v, j) / 255.0});
                 if (glm::dot(normal, glm::dvec3(lights[j].direction)) < deep_below)
                     texture.mask[first + j] = std::byte{0};
             }
@@ -165,7 +113,6 @@ Result<LayerTexture> bake_reflection_layer(const ModelPlaces& places, const Plac
                                                 (s + 0.5) / columns, (t + 0.5) / rows));
         }
     }));
-    fill_beside(texture, arriving);
     store_light(texture, arriving, most_reflection, noisy_share);
     texture.quality_change = quality_for_scale(texture.scale);
     return texture;

@@ -25,7 +25,8 @@ Result<OpenPlaces> OpenPlaces::make(const ModelPlaces& places, const BakeRun& ru
                                         (i / side + 0.5) / side - 0.5);
                 open |= unsigned{!places.is_inside(u, v, middle)} << i;
             }
-            parts[made.index(u, v)] = static_cast<std::uint16_t>(open);
+            if (open != 0)
+                parts[made.index(u, v)] = static_cast<std::uint16_t>(open);
         }
     }));
     made.parts_ = std::move(parts);
