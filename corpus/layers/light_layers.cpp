@@ -17,8 +17,8 @@ constexpr double noisy_share = 1e-3;
 // The mean light from the mirrored direction (s, t) at the texels, weighted by their specular lobe:
 // what they mirror, divided by what they would mirror of white light.
 glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& places,
-                         const Tracer& tracer, const ReflectionOptions& options, double s,
-                         double t) {
+                         const OpenPlaces& open, const Tracer& tracer,
+                         const ReflectionOptions& options, double s, double t) {
     glm::dvec3 sum(0.0), weights(0.0);
     for (unsigned i = 0; i < options.samples; ++i) {
         PathRandom random(mix_bits(options.seed + reflection_paths), i);
@@ -26,7 +26,8 @@ glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& 
         const Texels2& texel =
             texels[std::min(static_cast<std::size_t>(which * static_cast<double>(texels.size())),
                             texels.size() - 1)];
-        ModelSurfacePlace at = places.place(texel[0], texel[1], random.next2() - 0.5);
+        ModelSurfacePlace at =
+            places.place(texel[0], texel[1], open.offset(texel[0], texel[1], random.next2()));
         at.point.normal = at.frame.ez;
         const glm::dvec3 n = at.frame.ez;
         glm::dvec3 view = octahedral_direction(AngularMap::octahedral_mirrored, at.frame, s, t);
@@ -107,8 +108,9 @@ Result<LayerTexture> bake_reflection_layer(const ModelPlaces& places, const Plac
             texture.mask[cell] = std::byte{1};
             for (std::uint32_t t = 0; t < rows; ++t)
                 for (std::uint32_t s = 0; s < columns; ++s)
-                    arriving[(cell * rows + t) * columns + s] = glm::vec3(reflection_at(
-                        texels, places, tracer, options, (s + 0.5) / columns, (t + 0.5) / rows));
+                    arriving[(cell * rows + t) * columns + s] =
+                        glm::vec3(reflection_at(texels, places, light.open(), tracer, options,
+                                                (s + 0.5) / columns, (t + 0.5) / rows));
         }
     }));
     store_light(texture, arriving, most_reflection, noisy_share);

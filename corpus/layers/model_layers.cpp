@@ -70,8 +70,11 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
                                options.lights > 0 ? options.lights : ModelLayersOptions().lights);
     if (options.lights > 0)
         out.lights = lights.lights(options.exposure);
+    PlaceLightOptions gathering = options.light;
+    gathering.exposure = options.exposure;
     TESSERA_TRY_ASSIGN(const PlaceLight places,
-                       PlaceLight::make(coarse, tracer, lights, options.light, options.run));
+                       PlaceLight::make(coarse, tracer, lights, gathering, options.run));
+    out.noise = places.noise();
     TESSERA_TRY_ASSIGN(out.layers, bake_material_layers(fine, places, tracer, options.light_texel,
                                                         options.exposure, options.run));
     if (!out.lights.empty()) {

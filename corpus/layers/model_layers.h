@@ -28,6 +28,7 @@ struct ModelLayers {
     SurfaceMesh decoded_mesh;
     std::size_t charts = 0;
     double density = 0;
+    double noise = 0;                 // PlaceLight::noise()
     std::vector<LayerTexture> layers; // the first is the diffuse one
     std::vector<DistantLight> lights;
 };

@@ -1,6 +1,6 @@
 #include "corpus/layers/place_light.h"
 
-#include "corpus/trace/path_random.h"
+#include "corpus/layers/texel_paths.h"
 
 #include <cmath>
 #include <glm/common.hpp>
@@ -10,28 +10,11 @@ namespace tessera::corpus {
 namespace {
 
 // Added to the seed, so that each kind of light has its own random paths.
-constexpr std::uint64_t irradiance_paths = 0x69727261, shadow_paths = 0x73686164;
+constexpr std::uint64_t emitter_paths = 0x656D6974, lamp_paths = 0x6C616D70,
+                        shadow_paths = 0x73686164;
 // Harmonics of degree 2 are inexact. They change the light of the smooth normal at most so much.
 constexpr double most_change = 4.0;
-
-// Real spherical harmonics (Ramamoorthi and Hanrahan, "An efficient representation for irradiance
-// environment maps", 2001).
-std::array<double, 9> harmonics_at(const glm::dvec3& d) {
-    return {0.282095,
-            0.488603 * d.y,
-            0.488603 * d.z,
-            0.488603 * d.x,
-            1.092548 * d.x * d.y,
-            1.092548 * d.y * d.z,
-            0.315392 * (3.0 * d.z * d.z - 1.0),
-            1.092548 * d.x * d.z,
-            0.546274 * (d.x * d.x - d.y * d.y)};
-}
-
-// The diffuse lobe for a light at this cosine, per unit of diffuse colour.
-double diffuse_lobe(double cosine) {
-    return diffuse_colour({.diffuse = glm::dvec3(1.0)}).x * std::max(cosine, 0.0);
-}
+constexpr unsigned toward_emitters = 2; // rays for each path
 
 // The factors by which the lobe multiplies the harmonics of degree 0, 1 and 2 (the paper's A).
 const std::array<double, 3> lobe_factors{diffuse_lobe(1.0) * std::numbers::pi,
@@ -57,6 +40,53 @@ double mean_of(const glm::dvec3& x) {
     return (x.x + x.y + x.z) / 3.0;
 }
 
+// Directional lamps are among the distant lights.
+bool is_near(const ModelLamp& lamp) {
+    return lamp.kind != ModelLamp::Kind::directional;
+}
+
+double shown_mean(const glm::dvec3& x) {
+    return (linear_to_srgb(x.x) + linear_to_srgb(x.y) + linear_to_srgb(x.z)) / 3.0;
+}
+
+// The direct light of emitting triangles at the places that point_at(random) returns. Rounds of
+// rays, each as many as all before, until two halves differ by no more than the noise allowed.
+// `other`: diffuse light of other kinds that is known.
+template <class PointAt>
+ArrivingLight<glm::dvec3> from_emitters(const Tracer& tracer, const PlaceLightOptions& options,
+                                        const LitPoint& centre, const glm::dvec3& normal,
+                                        const glm::dvec3& other, std::uint32_t u, std::uint32_t v,
+                                        const PointAt& point_at) {
+    const double allowed = std::pow(10.0, -options.noise / 20.0);
+    const glm::dvec3 colour = without_coats(centre.lobes).diffuse * options.exposure;
+    const unsigned least = std::max(options.emitter_samples, 2u) / 2 * 2;
+    ArrivingLight<glm::dvec3> sum;
+    std::array<glm::dvec3, 2> halves{glm::dvec3(0.0), glm::dvec3(0.0)};
+    unsigned rays = 0;
+    for (unsigned round = 0, more = least;; ++round, more = rays) {
+        const std::uint64_t sequence = mix_bits(mix_bits(options.seed + emitter_paths) + round);
+        const TexelPaths randoms(sequence, more, u, v);
+        for (std::size_t half = 0; half < 2; ++half) {
+            const glm::dvec3 before = sum.diffuse;
+            for (unsigned i = 0; i < more / 2; ++i) {
+                PathRandom random = randoms[static_cast<unsigned>(half) * (more / 2) + i];
+                const Tracer::Incoming incoming =
+                    tracer.incoming_of_emitters(point_at(random), toward_emitters, random);
+                sum.add(incoming.direction, incoming.light / incoming.density, normal);
+            }
+            halves[half] += sum.diffuse - before;
+        }
+        rays += more;
+        const double error = shown_mean(colour * (other + halves[0] * (2.0 / rays))) -
+                             shown_mean(colour * (other + halves[1] * (2.0 / rays)));
+        if (std::abs(error) / 2.0 <= allowed || 2 * rays > least * options.most_times)
+            break;
+    }
+    ArrivingLight<glm::dvec3> mean;
+    mean.add(sum, 1.0 / rays);
+    return mean;
+}
+
 } // namespace
 
 Result<PlaceLight> PlaceLight::make(const ModelPlaces& places, const Tracer& tracer,
@@ -66,73 +96,86 @@ Result<PlaceLight> PlaceLight::make(const ModelPlaces& places, const Tracer& tra
     const std::size_t count = places.texels();
     made.size_ = places.texel_places().size();
     made.lights_ = lights.count();
-    made.matters_.assign(count, 0);
     made.visibility_.assign(count * lights.count(), 0);
     made.charts_.assign(count, 0);
-    made.diffuse_.resize(count);
-    made.harmonics_.resize(count);
+    made.light_.resize(count);
     made.smooth_.resize(count);
+    TESSERA_TRY_ASSIGN(made.open_, OpenPlaces::make(places, run));
+    std::vector<glm::vec3> direct(count, glm::vec3(0.0f));
     TESSERA_TRY(for_rows("baking light", made.size_[1], run, [&](std::uint32_t v) {
         for (std::uint32_t u = 0; u < made.size_[0]; ++u)
-            if (places.texel_places().matters(u, v) && !places.is_hidden(u, v)) {
-                made.matters_[made.index(u, v)] = 1;
+            if (made.matters(u, v)) {
                 made.bake(places, tracer, lights, options, u, v);
+                direct[made.index(u, v)] = made.light_[made.index(u, v)].diffuse;
+            }
+    }));
+    const GatherOptions gather{.paths = options.diffuse_samples,
+                               .most_paths = options.diffuse_samples * options.most_times,
+                               .noise = options.noise,
+                               .exposure = options.exposure,
+                               .toward_emitters = toward_emitters,
+                               .seed = options.seed};
+    TESSERA_TRY_ASSIGN(const GatheredLight of_model,
+                       gather_light(places, made.open_, tracer, made.charts_, direct, gather, run));
+    made.noise_ = -10.0 * std::log10(std::max(of_model.noise, 1e-10));
+    TESSERA_TRY(for_rows("adding light", made.size_[1], run, [&](std::uint32_t v) {
+        for (std::uint32_t u = 0; u < made.size_[0]; ++u)
+            if (made.matters(u, v)) {
+                const std::size_t at = made.index(u, v);
+                made.light_[at].add(of_model.light[at]);
+                const glm::vec3 middle(places.place(u, v, {0.0, 0.0}).frame.ez);
+                made.smooth_[at] = convolved(made.light_[at].radiance, glm::dvec3(middle));
             }
     }));
     return made;
 }
 
+// Light that needs no paths: of the environment, of lamps and of emitting triangles.
 void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer, const DistantLights& lights,
                       const PlaceLightOptions& options, std::uint32_t u, std::uint32_t v) {
     const std::size_t at = index(u, v);
     const ModelSurfacePlace centre = places.place(u, v, {0.0, 0.0});
     charts_[at] = static_cast<std::uint32_t>(places.texel_places().chart_of(centre.on.triangle));
     const glm::dvec3 middle = centre.frame.ez;
-    glm::dvec3 lit(0.0);
-    std::array<glm::dvec3, 9> sums{};
-    const auto add = [&](const glm::dvec3& direction, const glm::dvec3& light) {
-        lit += light * diffuse_lobe(glm::dot(middle, direction));
-        const std::array<double, 9> basis = harmonics_at(direction);
-        for (std::size_t i = 0; i < basis.size(); ++i)
-            sums[i] += light * basis[i];
-    };
-    const std::uint64_t paths = mix_bits(options.seed + irradiance_paths);
-    // A share of them goes to emitting triangles.
-    const unsigned path_count = options.diffuse_samples * (tracer.has_emitters() ? 3 : 1);
-    const double share = 1.0 / path_count;
-    for (unsigned i = 0; i < path_count; ++i) {
-        PathRandom random(paths, i);
-        ModelSurfacePlace place = places.place(u, v, random.next2() - 0.5);
+    ArrivingLight<glm::dvec3> sum;
+    const auto point_at = [&](PathRandom& random) {
+        ModelSurfacePlace place = places.place(u, v, open_.offset(u, v, random.next2()));
         place.point.normal = place.frame.ez; // the same for all bumps
-        const Tracer::Incoming incoming = tracer.incoming_of_model(place.point, random);
-        if (incoming.density > 0.0)
-            add(incoming.direction, incoming.light * (share / incoming.density));
-        for (const ModelLamp& lamp : tracer.light().lamps) {
-            if (lamp.kind == ModelLamp::Kind::directional)
-                continue; // it is one of `lights`
-            const LampLight l = lamp_light(lamp, place.point.position);
-            add(l.direction,
-                l.irradiance * share * tracer.unblocked(place.point, l.direction, l.distance));
-        }
-    }
-    // The environment's own light needs rays only, so more of them are cheap.
+        return place.point;
+    };
     const std::uint64_t shadows = mix_bits(options.seed + shadow_paths);
     std::vector<double> seen(lights.count(), 0.0);
     const unsigned rays = rays_per_light(options, lights.count());
     for (unsigned i = 0; i < rays; ++i) {
         PathRandom random(shadows, i);
-        const LitPoint point = places.place(u, v, random.next2() - 0.5).point;
+        const LitPoint point = point_at(random);
         for (std::size_t j = 0; j < lights.count(); ++j) {
             const DistantLights::Sample sample = lights.sample(j, random.next2());
             const glm::dvec3 arrives = tracer.unblocked(point, sample.direction);
             seen[j] += mean_of(arrives);
-            add(sample.direction, arrives * sample.irradiance / static_cast<double>(rays));
+            sum.add(sample.direction, arrives * sample.irradiance / static_cast<double>(rays),
+                    middle);
         }
     }
-    diffuse_[at] = glm::vec3(lit);
-    for (std::size_t i = 0; i < sums.size(); ++i)
-        harmonics_[at][i] = glm::vec3(sums[i]);
-    smooth_[at] = convolved(harmonics_[at], glm::dvec3(glm::vec3(middle)));
+    if (std::ranges::any_of(tracer.light().lamps, is_near)) {
+        const TexelPaths randoms(mix_bits(options.seed + lamp_paths), options.emitter_samples, u,
+                                 v);
+        for (unsigned i = 0; i < options.emitter_samples; ++i) {
+            PathRandom random = randoms[i];
+            const LitPoint point = point_at(random);
+            for (const ModelLamp& lamp : tracer.light().lamps)
+                if (is_near(lamp)) {
+                    const LampLight l = lamp_light(lamp, point.position);
+                    sum.add(l.direction,
+                            l.irradiance / static_cast<double>(options.emitter_samples) *
+                                tracer.unblocked(point, l.direction, l.distance),
+                            middle);
+                }
+        }
+    }
+    if (tracer.has_emitters())
+        sum.add(from_emitters(tracer, options, centre.point, middle, sum.diffuse, u, v, point_at));
+    light_[at] = ArrivingLight<glm::vec3>(sum);
 
     // With rounding down below, a light that is never blocked would not be quite visible.
     const unsigned step = 255 / rays, most = step * rays;
@@ -160,12 +203,12 @@ std::optional<glm::dvec3> PlaceLight::diffuse(const glm::dvec2& texel, std::size
             if (!matters(u, v) || charts_[at] != chart || weight <= 0.0)
                 continue;
             const glm::dvec3& smooth = smooth_[at];
-            const glm::dvec3 bumped = convolved(harmonics_[at], normal);
+            const glm::dvec3 bumped = convolved(light_[at].radiance, normal);
             glm::dvec3 change(1.0);
             for (glm::length_t c = 0; c < 3; ++c)
                 change[c] =
                     smooth[c] > 1e-6 ? std::clamp(bumped[c] / smooth[c], 0.0, most_change) : 1.0;
-            sum += weight * glm::dvec3(diffuse_[at]) * change;
+            sum += weight * glm::dvec3(light_[at].diffuse) * change;
             weights += weight;
         }
     if (weights <= 0.0)

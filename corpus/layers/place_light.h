@@ -3,21 +3,25 @@
 #pragma once
 
 #include "corpus/layers/distant_lights.h"
-#include "corpus/layers/rows.h"
+#include "corpus/layers/gathered_light.h"
 #include "corpus/model_surface/model_places.h"
 #include "corpus/trace/tracer.h"
 
 namespace tessera::corpus {
 
 struct PlaceLightOptions {
-    // Paths per place for the light of the model; three times as many if it has emitting triangles.
-    unsigned diffuse_samples = 64;
+    // Per place: paths for the light of the model, and rays to its emitting triangles, at first.
+    unsigned diffuse_samples = 32;
+    unsigned emitter_samples = 64;
     unsigned shadow_samples = 256; // rays per place, shared by all lights
+    unsigned most_times = 16;      // so many samples as at first where it is noisy
+    double noise = 45.0;           // dB, which more samples attain
+    double exposure = 1.0;
     std::uint64_t seed = 1;
 };
 
-// Immutable and thread-safe. Memory: 149 bytes per texel of the atlas, and a byte per texel and
-// light.
+// Immutable and thread-safe. Memory: 150 bytes per texel of the atlas, and a byte per texel and
+// light; while it is made, 370 more per texel.
 class PlaceLight {
 public:
     // Errors: those of for_rows().
@@ -26,7 +30,11 @@ public:
                                    const BakeRun& run);
 
     // Whether the texel shows a place that an observer can see.
-    bool matters(std::uint32_t u, std::uint32_t v) const { return matters_[index(u, v)] != 0; }
+    bool matters(std::uint32_t u, std::uint32_t v) const { return open_.matters(u, v); }
+    // The texel's places that are baked.
+    const OpenPlaces& open() const { return open_; }
+    // What the noise of diffuse light does to a display, as estimated: PSNR in dB.
+    double noise() const { return noise_; }
     // The diffuse light per unit of diffuse colour at a place of the atlas in texels, interpolated
     // between texels of its chart that matter, for a surface with this normal. Nothing if none of
     // them matters.
@@ -38,9 +46,6 @@ public:
     }
 
 private:
-    // Radiance in real spherical harmonics up to degree 2.
-    using Harmonics = std::array<glm::vec3, 9>;
-
     std::size_t index(std::uint32_t u, std::uint32_t v) const {
         return std::size_t{v} * size_[0] + u;
     }
@@ -49,10 +54,11 @@ private:
 
     Texels2 size_{0, 0};
     std::size_t lights_ = 0;
-    std::vector<std::uint8_t> matters_, visibility_;
+    double noise_ = 0;
+    OpenPlaces open_;
+    std::vector<std::uint8_t> visibility_;
     std::vector<std::uint32_t> charts_;
-    std::vector<glm::vec3> diffuse_; // without bumps
-    std::vector<Harmonics> harmonics_;
+    std::vector<ArrivingLight<glm::vec3>> light_;
     std::vector<glm::dvec3> smooth_; // the light of the harmonics without bumps
 };
 

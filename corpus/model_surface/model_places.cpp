@@ -3,16 +3,28 @@
 #include "corpus/trace/path_random.h"
 
 #include <algorithm>
+#include <array>
+#include <glm/geometric.hpp>
 
 namespace tessera::corpus {
 namespace {
 
 constexpr unsigned hidden_rays = 24;
 
-// The nearest place within the triangle.
-glm::dvec2 inside(const glm::dvec2& barycentric) {
-    glm::dvec3 w{1.0 - barycentric.x - barycentric.y, barycentric.x, barycentric.y};
-    w = glm::max(w, 0.0);
+// The nearest place within the triangle, a little off its edges: rays that start on an edge slip
+// through the surface that meets it there.
+glm::dvec2 inside(const Model& model, const ModelPlace& place) {
+    constexpr double least = 5e-4, most_share = 0.15;
+    std::array<glm::dvec3, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k)
+        corners[k] = model.vertices[model.triangles[place.triangle].vertices[k]].position;
+    const double area = glm::length(area_vector(model, model.triangles[place.triangle]));
+    glm::dvec3 w{1.0 - place.barycentric.x - place.barycentric.y, place.barycentric};
+    for (glm::length_t k = 0; k < 3; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        const double edge = glm::length(corners[(i + 1) % 3] - corners[(i + 2) % 3]);
+        w[k] = std::max(w[k], area > 0.0 ? std::min(least * edge / area, most_share) : 0.0);
+    }
     const double sum = w.x + w.y + w.z;
     return {w.y / sum, w.z / sum};
 }
@@ -68,23 +80,28 @@ ModelSurfacePlace ModelPlaces::place(std::uint32_t u, std::uint32_t v,
                 best = other;
             }
         }
-    best.barycentric = inside(best.barycentric);
+    best.barycentric = inside(model_->model(), {best.triangle, best.barycentric});
     const ModelPlace on{best.triangle, best.barycentric};
     return {model_->point(on), surface_point(*mesh_, tangents_, on.triangle, on.barycentric).frame,
             on};
 }
 
+bool ModelPlaces::is_inside(std::uint32_t u, std::uint32_t v, const glm::dvec2& offset) const {
+    const LitPoint p = place(u, v, offset).point;
+    for (unsigned i = 0; i < hidden_rays; ++i) {
+        PathRandom random(0, i);
+        const glm::dvec3 d = sample_cosine(p.face, random.next2());
+        if (!model_->meets_back(p.position + 1e-3 * p.face, d))
+            return false;
+    }
+    return true;
+}
+
 bool ModelPlaces::is_hidden(std::uint32_t u, std::uint32_t v) const {
     for (const glm::dvec2 offset : {glm::dvec2(0, 0), glm::dvec2(-1, -1), glm::dvec2(1, -1),
-                                    glm::dvec2(-1, 1), glm::dvec2(1, 1)}) {
-        const LitPoint p = place(u, v, offset).point;
-        for (unsigned i = 0; i < hidden_rays; ++i) {
-            PathRandom random(0, i);
-            const glm::dvec3 d = sample_cosine(p.face, random.next2());
-            if (!model_->meets_back(p.position + 1e-3 * p.face, d))
-                return false;
-        }
-    }
+                                    glm::dvec2(-1, 1), glm::dvec2(1, 1)})
+        if (!is_inside(u, v, offset))
+            return false;
     return true;
 }
 

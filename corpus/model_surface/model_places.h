@@ -32,6 +32,8 @@ public:
     // Whether the texel lies inside a body: all rays from its middle and from those of its diagonal
     // neighbours meet backs first. The same precondition.
     bool is_hidden(std::uint32_t u, std::uint32_t v) const;
+    // Whether this place lies inside a body, for place().
+    bool is_inside(std::uint32_t u, std::uint32_t v, const glm::dvec2& offset) const;
 
 private:
     ModelPlaces(std::shared_ptr<const SurfaceMesh> mesh, std::vector<Chart> charts,

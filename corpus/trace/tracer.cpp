@@ -21,6 +21,10 @@ glm::dvec3 start_of(const LitPoint& p) {
     return p.position + Tracer::off * p.face;
 }
 
+bool is_above(const LitPoint& p, const glm::dvec3& direction) {
+    return glm::dot(direction, p.normal) > 0.0 && glm::dot(direction, p.face) > 0.0;
+}
+
 // Makes the mirrors of a place rougher that a path meets after lobes whose widest GGX has this alpha
 // (Jendersie and Grosch, "Microfacet model regularization for robust light transport", 2019).
 void blur(Lobes& lobes, double widest) {
@@ -184,46 +188,66 @@ double Tracer::emitter_density(const glm::dvec3& origin, const glm::dvec3& direc
 }
 
 // Directions towards emitters count only if their ray meets the sampled triangle first.
-double Tracer::shared_density(const Shares& shares, const LitPoint& point,
-                              const glm::dvec3& direction, const Hit& hit) const {
-    return shares.environment * light_.environment->density(direction) +
-           shares.emitters * emitter_density(start_of(point), direction, hit) +
-           (1.0 - shares.environment - shares.emitters) *
+double Tracer::shared_density(const LitPoint& point, const glm::dvec3& direction,
+                              const Hit& hit) const {
+    return shared_.environment * light_.environment->density(direction) +
+           shared_.emitters * emitter_density(start_of(point), direction, hit) +
+           (1.0 - shared_.environment - shared_.emitters) *
                cosine_density(glm::dot(point.normal, direction));
 }
 
 Tracer::Incoming Tracer::incoming(const LitPoint& point, PathRandom& random) const {
-    return incoming(shared_, point, random);
-}
-
-Tracer::Incoming Tracer::incoming_of_model(const LitPoint& point, PathRandom& random) const {
-    return incoming({0.0, shared_.emitters / (1.0 - shared_.environment)}, point, random);
-}
-
-Tracer::Incoming Tracer::incoming(const Shares& shares, const LitPoint& point,
-                                  PathRandom& random) const {
     const double choice = random.next();
     const glm::dvec2 x = random.next2();
     const glm::dvec3 start = start_of(point);
     Incoming found{sample_cosine(point.normal, x), glm::dvec3(0.0), 1.0};
     std::optional<std::uint32_t> emitter;
-    if (choice < shares.environment) {
+    if (choice < shared_.environment) {
         found.direction = light_.environment->sample(x).direction;
-    } else if (choice < shares.environment + shares.emitters) {
+    } else if (choice < shared_.environment + shared_.emitters) {
         const EmitterSample near = emitters_.sample(start, x);
         if (largest_channel(near.light) <= 0.0)
             return found;
         found.direction = near.direction;
         emitter = near.triangle;
     }
-    if (glm::dot(found.direction, point.normal) <= 0.0 ||
-        glm::dot(found.direction, point.face) <= 0.0)
+    if (!is_above(point, found.direction))
         return found;
     const Hit hit = next_hit(start, found.direction, random);
-    if ((emitter && !(hit && hit->triangle == *emitter)) || (!hit && shares.environment == 0.0))
+    if (emitter && !(hit && hit->triangle == *emitter))
         return found;
     found.light = arriving(start, found.direction, hit, infinite, 1.0, random);
-    found.density = shared_density(shares, point, found.direction, hit);
+    found.density = shared_density(point, found.direction, hit);
+    return found;
+}
+
+Tracer::Incoming Tracer::incoming_of_model(const LitPoint& point, double toward_emitters,
+                                           PathRandom& random) const {
+    const glm::dvec3 start = start_of(point);
+    Incoming found{sample_cosine(point.normal, random.next2()), glm::dvec3(0.0), 1.0};
+    if (!is_above(point, found.direction))
+        return found;
+    const Hit hit = next_hit(start, found.direction, random);
+    if (!hit)
+        return found;
+    found.density = cosine_density(glm::dot(point.normal, found.direction));
+    found.light =
+        arriving(start, found.direction, hit,
+                 emitters_.empty() ? infinite : found.density / toward_emitters, 1.0, random);
+    return found;
+}
+
+Tracer::Incoming Tracer::incoming_of_emitters(const LitPoint& point, double toward_emitters,
+                                              PathRandom& random) const {
+    const glm::dvec3 start = start_of(point);
+    const EmitterSample near = emitters_.sample(start, random.next2());
+    Incoming found{near.direction, glm::dvec3(0.0), 1.0};
+    if (largest_channel(near.light) <= 0.0 || !is_above(point, near.direction))
+        return found;
+    found.light =
+        near.light * passing_share(start, near.direction, std::max(near.distance - off, 0.0));
+    found.density =
+        near.density + cosine_density(glm::dot(point.normal, near.direction)) / toward_emitters;
     return found;
 }
 
@@ -254,7 +278,7 @@ glm::dvec3 Tracer::specular_own(const LitPoint& point, const glm::dvec3& view, d
     if (const Thrown thrown = lobe(l); thrown.density > 0.0) {
         const Hit hit = next_hit(start, l, random);
         sum += thrown.share * arriving(start, l, hit, infinite, lobe.width(), random) /
-               (shared * shared_density(shared_, point, l, hit) + own * thrown.density);
+               (shared * shared_density(point, l, hit) + own * thrown.density);
     }
     return sum;
 }

@@ -70,8 +70,14 @@ public:
         double density = 0; // per steradian
     };
     Incoming incoming(const LitPoint& point, PathRandom& random) const;
-    // The same for the light of the model alone.
-    Incoming incoming_of_model(const LitPoint& point, PathRandom& random) const;
+    // The light of the model alone that reaches the point, from two kinds of samples: its mean is the
+    // sum of those of light / density of both. For each one that follows the cosine around the
+    // normal, `toward_emitters` go to emitting triangles, which takes a single ray each.
+    Incoming incoming_of_model(const LitPoint& point, double toward_emitters,
+                               PathRandom& random) const;
+    // Precondition: has_emitters().
+    Incoming incoming_of_emitters(const LitPoint& point, double toward_emitters,
+                                  PathRandom& random) const;
     glm::dvec3 specular_of(const Incoming& incoming, const LitPoint& point, const glm::dvec3& view,
                            double shared, double own) const;
     glm::dvec3 specular_own(const LitPoint& point, const glm::dvec3& view, double shared,
@@ -103,10 +109,7 @@ private:
         double environment = 0.5, emitters = 0.0;
     };
 
-    double shared_density(const Shares& shares, const LitPoint& point, const glm::dvec3& direction,
-                          const Hit& hit) const;
-    // Without the environment if its share is 0.
-    Incoming incoming(const Shares& shares, const LitPoint& point, PathRandom& random) const;
+    double shared_density(const LitPoint& point, const glm::dvec3& direction, const Hit& hit) const;
     // The density with which emitters_ samples the direction, whose ray meets `hit`.
     double emitter_density(const glm::dvec3& origin, const glm::dvec3& direction,
                            const Hit& hit) const;

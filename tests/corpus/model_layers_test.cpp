@@ -431,6 +431,29 @@ TEST(LayerTrial, FindsSharpReflections) {
     EXPECT_EQ(decibels(two), 100);
 }
 
+// More paths are traced until the noise is as asked for. The lamp lights the
+// ceiling, and the ceiling the floor.
+TEST(ModelLayers, NoiseFollowsItsOption) {
+    Model model;
+    model.materials.resize(2);
+    for (ModelMaterial& m : model.materials)
+        m.metal = 0;
+    model.materials[1].emission = glm::dvec3(4.0);
+    add_square(model, 2, 0, false, 0);
+    add_square(model, 3, 1, true, 0);       // a ceiling
+    add_square(model, 0.5, 0.6f, false, 1); // a lamp that shines on it
+    ModelLayersOptions options = quick();
+    options.texels = 4000;
+    options.light.diffuse_samples = 4;
+    const auto noise = [&](double asked) {
+        options.light.noise = asked;
+        return baked(model, {uniform_environment(0.0f)}, options).noise;
+    };
+    const double rough = noise(10.0), fine = noise(60.0);
+    EXPECT_GT(fine, rough + 4.0);
+    EXPECT_GT(rough, 15.0);
+}
+
 // So that readers have mips, which need tiles that begin at even texels.
 TEST(ModelLayers, FinestLayersAreWholeTiles) {
     for (const std::uint32_t light_texel : {1u, 2u, 4u}) {

@@ -24,6 +24,7 @@ TEST_F(LayeredModels, LookLikeTheirTruth) {
     const Json baked = json(lit + "--quality 70 --json -o a.tess");
     ASSERT_EQ(baked["layers"].size(), 6u);
     EXPECT_EQ(baked["bytes"], slurp(at("a.tess")).size());
+    EXPECT_GT(baked["noise_db"], 45);
     succeed("validate a.tess -q");
     const Json views =
         json("render a.tess -o v.png --eye 3.9,3,2.1 --pixels 80x60 --truth roof.obj "
@@ -122,6 +123,8 @@ TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
          {"--angular-map"});
     fail(1, "bake composed --layered -o a.tess", {"--layered", "model"});
     fail(1, "bake roof.obj --single --lights 3 -o a.tess", {"--lights", "--single"});
+    fail(1, "bake roof.obj --single --noise 40 -o a.tess", {"--noise", "--single"});
+    fail(1, "bake roof.obj --noise 5 -o a.tess", {"--noise", "10", "80"});
     fail(1, "bake roof.obj --single --layered -o a.tess", {"--layered", "--single"});
     fail(1, "bake roof.obj --texels 2000 --target-psnr 30 -q -o a.tess",
          {"--texels", "--target-psnr"});

@@ -52,7 +52,7 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
         const double cell = mirrored.texel, place = usual.light_texel;
         const double directions = static_cast<double>(mirrored.directions) * mirrored.directions;
         const double paths =
-            texels / (place * place) * (8 * samples + 2.0 * a.lights.value_or(usual.lights)) +
+            texels / (place * place) * (4 * samples + 2.0 * a.lights.value_or(usual.lights)) +
             texels / (cell * cell) * directions * 4 * samples / mirrored.fewer_paths;
         choice.seconds = (paths * path_seconds + texels * texel_seconds) / threads;
         own = texels * bytes_per_texel;
@@ -101,8 +101,11 @@ Result<BakeChoice> choose_layers(const BakeCommand& a, const ModelToBake& model)
     } else if (!of_one.empty()) {
         choice.layered = false;
         choice.why = of_one + " does not apply to layers";
-    } else if (a.texels || a.lights) {
-        choice.why = std::string(a.texels ? "--texels" : "--lights") + " applies to layers only";
+    } else if (a.texels || a.lights || a.noise) {
+        choice.why = std::string(a.texels   ? "--texels"
+                                 : a.lights ? "--lights"
+                                            : "--noise") +
+                     " applies to layers only";
     } else {
         is_asked = false;
     }

@@ -15,8 +15,9 @@
 namespace tessera {
 namespace {
 
-// Paths for each of --spp.
-constexpr unsigned paths_per_place = 4, rays_per_place = 16, paths_per_reflection = 4;
+// Paths and rays for each of --spp.
+constexpr unsigned paths_per_place = 2, emitter_rays_per_place = 4, rays_per_place = 16,
+                   paths_per_reflection = 4;
 
 corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::SurfaceWish& wish,
                                          const LitModelFile& file) {
@@ -28,7 +29,9 @@ corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::Sur
     options.lights = a.lights.value_or(options.lights);
     options.samples = a.samples * paths_per_reflection;
     options.light.diffuse_samples = a.samples * paths_per_place;
+    options.light.emitter_samples = a.samples * emitter_rays_per_place;
     options.light.shadow_samples = a.samples * rays_per_place;
+    options.light.noise = a.noise.value_or(options.light.noise);
     options.light.seed = a.seed.value_or(usual_bake_seed);
     options.run.threads = a.texture.threads;
     options.run.cancelled = [] { return interrupted_by() != 0; };
@@ -48,6 +51,7 @@ void report(const BakeCommand& a, const corpus::Model& model, const corpus::Mode
                      {"mesh_bytes", baked.mesh.size()},
                      {"texels_per_unit", baked.density * model.frame.scale},
                      {"lights", baked.lights.size()},
+                     {"noise_db", baked.noise},
                      {"warnings", warnings.json()},
                      {"layers", layers_json(coded)}};
         if (glb)
@@ -62,8 +66,9 @@ void report(const BakeCommand& a, const corpus::Model& model, const corpus::Mode
     std::fprintf(to, "%s: %s in %.1f s, %s\n", a.output.c_str(),
                  human_bytes(coded.file.size()).c_str(), seconds, rate_text(coded).c_str());
     print_layers(to, baked, coded);
-    std::fprintf(to, "  %zu lights, %s texels per unit\n", baked.lights.size(),
-                 format_digits(baked.density * model.frame.scale, 4).c_str());
+    std::fprintf(to, "  %zu lights, %s texels per unit, noise of diffuse light %s dB\n",
+                 baked.lights.size(), format_digits(baked.density * model.frame.scale, 4).c_str(),
+                 format_number(baked.noise, 1).c_str());
     if (glb)
         std::fprintf(to, "  glTF file of %s\n", to_string(*glb).c_str());
 }

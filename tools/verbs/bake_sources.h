@@ -31,6 +31,7 @@ struct BakeCommand {
     std::string directions;       // SxT
     std::optional<double> texels; // of a layer
     std::optional<unsigned> lights;
+    std::optional<double> noise; // of layers, dB
     ModelArguments model;
     EncodeArguments encode; // its description contains the proxy
     GlbArguments glb;

@@ -125,7 +125,7 @@ Status bake_plain(const BakeCommand& a, const Baking& baking, const EncodeOption
 Status check_no_layer_options(const BakeCommand& a, const std::string& why) {
     for (const auto& [option, given] :
          {std::pair("--layered", a.layered), std::pair("--texels", a.texels.has_value()),
-          std::pair("--lights", a.lights.has_value()),
+          std::pair("--lights", a.lights.has_value()), std::pair("--noise", a.noise.has_value()),
           std::pair("--single", a.single && !corpus::is_model_path(a.scene))})
         if (given)
             return {ErrorCode::bad_argument, std::string(option) + ": " + why};
@@ -228,6 +228,10 @@ void declare(CLI::App& c, BakeCommand& a) {
                   "Lights that stand for the environment; 0: none, reflections hold all light. "
                   "Default: 16",
                   CLI::Range(0u, 1000u));
+    layers.option("--noise", "DB", a.noise,
+                  "PSNR that the noise of diffuse light has; up to 16 times the paths of --spp are "
+                  "traced where it is less. Default: 45",
+                  number_between(10, 80));
     add_glb_options(c, a.glb);
 }
 
