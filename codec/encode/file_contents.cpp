@@ -21,7 +21,7 @@ FileContents::FileContents(const EncodePlan& plan, const PassResult& pass,
     contents_.colour = plan.colour.transform;
     contents_.background = plan.colour.background;
     contents_.required_features = (plan.colour.corrections ? feature_corrections : 0) |
-                                  (pass.parameters.prediction ? feature_prediction : 0) |
+                                  features_of(pass.parameters) |
                                   (has_stored_tiles() ? feature_stored : 0);
     contents_.codec_parameters = coding_;
     contents_.proxy_mesh = plan.options.mesh;

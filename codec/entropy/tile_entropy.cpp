@@ -34,8 +34,10 @@ struct StatisticsVisitor {
                          symbol);
     }
     void transform(int context, int kind) {
-        statistics.chain(transform_offset + context * (transform_kinds - 1), transform_kinds - 1,
-                         transform_kinds, kind);
+        for (int other = 0; other < kind; ++other)
+            statistics.decide(transform_parameter(context, other), true);
+        if (kind + 1 < transform_kinds)
+            statistics.decide(transform_parameter(context, kind), false);
     }
     void base(bool has_base) { statistics.decide(base_offset, has_base); }
     void from_base(bool before, bool copies) {

@@ -45,6 +45,10 @@ CodingParameters coding_parameters(double step, const EncodePlan& plan) {
     CodingParameters parameters = parameters_for_step(step, plan.colour.desc, plan.effort);
     // Corrections are computed from the decoded tile, so no block could copy corrected texels.
     parameters.prediction = plan.effort.search.copies.along > 0 && !plan.colour.corrections;
+    // Base pictures would gain less than the further symbols cost.
+    const Extent4& tile = plan.grid.tile_extent();
+    parameters.leaves_out_transforms = parameters.prediction && plan.effort.pictures.no_transform &&
+                                       tile[axis_s] == 1 && tile[axis_t] == 1;
     return parameters;
 }
 

@@ -70,6 +70,7 @@ std::uint32_t sum_of(const TileLevels& levels, const CorrectionMap& corrections)
                 (unsigned_of(colour.share[1]) & 0xFF));
     for (const BlockPrediction& prediction : levels.predictions)
         sum.add(static_cast<std::uint64_t>(prediction.from) << 32 |
+                static_cast<std::uint64_t>(prediction.transform) << 24 |
                 static_cast<std::uint64_t>(prediction.mode) << 16 |
                 (unsigned_of(prediction.displacement.u) & 0xFF) << 8 |
                 (unsigned_of(prediction.displacement.v) & 0xFF));

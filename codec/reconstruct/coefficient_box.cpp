@@ -74,24 +74,36 @@ bool CoefficientBox::columns_run_fastest() const {
     return count_ >= fewest;
 }
 
+// dequantize() for a block of one view.
+void CoefficientBox::dequantize_picture(std::span<const NonZero> levels, const ScanOrder& order,
+                                        const ScaleSet& scales,
+                                        const ReconstructionOffsets& offsets, AxisTransforms axes,
+                                        std::vector<std::int32_t>& box) const {
+    ScaleSet of_axes = scales;
+    const PlainScale plain = plain_scale(axes, order.shape);
+    for (Scale& scale : of_axes)
+        scale.exponent += plain.octaves;
+    const bool sine_u = axes.u == AxisTransform::sine, sine_v = axes.v == AxisTransform::sine;
+    const int first_u = axes.u == AxisTransform::none ? max_frequencies : 0; // of counted ones
+    const int first_v = axes.v == AxisTransform::none ? max_frequencies : 0;
+    const int rows = support_[1];
+    for (const NonZero& nz : levels) {
+        const auto& k = order.entry[nz.index].k;
+        const int counted =
+            plain.half_octaves + (k[0] > first_u || sine_u) + (k[1] > first_v || sine_v);
+        const std::int32_t magnitude = tessera::dequantize(
+            std::abs(nz.level), of_axes[static_cast<std::size_t>(counted)], offsets);
+        box[static_cast<std::size_t>(k[0] * rows + k[1])] = nz.level < 0 ? -magnitude : magnitude;
+    }
+}
+
 void CoefficientBox::dequantize(std::span<const NonZero> levels, const ScanOrder& order,
                                 const ScaleSet& scales, const ReconstructionOffsets& offsets,
-                                SineAxes sines, std::vector<std::int32_t>& box) const {
+                                AxisTransforms axes, std::vector<std::int32_t>& box) const {
     box.resize(std::max(box.size(), static_cast<std::size_t>(order.shape.texels())));
     std::fill_n(box.begin(), size(), 0);
-    if (is_picture(order.shape)) { // has one column
-        const ScaleSet of_axes = scales;
-        const int rows = support_[1];
-        for (const NonZero& nz : levels) {
-            const auto& k = order.entry[nz.index].k;
-            const int axes = (k[0] > 0 || sines.u) + (k[1] > 0 || sines.v);
-            const std::int32_t magnitude = tessera::dequantize(
-                std::abs(nz.level), of_axes[static_cast<std::size_t>(axes)], offsets);
-            box[static_cast<std::size_t>(k[0] * rows + k[1])] =
-                nz.level < 0 ? -magnitude : magnitude;
-        }
-        return;
-    }
+    if (is_picture(order.shape)) // has one column
+        return dequantize_picture(levels, order, scales, offsets, axes, box);
     const bool columns_first = columns_run_fastest();
     const int u_step = columns_first ? count_ : support_[1] * count_;
     const int v_step = columns_first ? count_ * support_[0] : 1;
@@ -99,9 +111,9 @@ void CoefficientBox::dequantize(std::span<const NonZero> levels, const ScanOrder
     for (const NonZero& nz : levels) {
         const ScanEntry& entry = order.entry[nz.index];
         const auto& k = entry.k;
-        const int axes = (k[0] > 0 || sines.u) + (k[1] > 0 || sines.v) + (k[2] > 0) + (k[3] > 0);
+        const int counted = (k[0] > 0) + (k[1] > 0) + (k[2] > 0) + (k[3] > 0);
         const std::int32_t magnitude = tessera::dequantize(
-            std::abs(nz.level), scales[static_cast<std::size_t>(axes)], offsets);
+            std::abs(nz.level), scales[static_cast<std::size_t>(counted)], offsets);
         const int column = column_of_[static_cast<std::size_t>(view_of(entry))];
         box[static_cast<std::size_t>(k[0] * u_step + k[1] * v_step + column * column_step)] =
             nz.level < 0 ? -magnitude : magnitude;
@@ -126,8 +138,16 @@ void CoefficientBox::spread_columns(const std::int32_t* columns, int page,
     }
 }
 
+// Turns the coefficients of a block of one view without a transform along u into rows.
+void CoefficientBox::keep_rows(const std::int32_t* columns, int nu, std::int32_t* out) const {
+    const int rows = support_[1];
+    for (int v = 0; v < rows; ++v)
+        for (int u = 0; u < nu; ++u)
+            out[v * nu + u] = u < support_[0] ? columns[u * rows + v] : 0;
+}
+
 // The pass along u comes first: the innermost axis grows while the others are still small.
-void CoefficientBox::transform(const BlockShape& shape, SineAxes sines,
+void CoefficientBox::transform(const BlockShape& shape, AxisTransforms axes,
                                std::vector<std::int32_t>& a, std::vector<std::int32_t>& b) const {
     const auto& n = shape.n;
     const Kernels& k = kernels();
@@ -137,22 +157,29 @@ void CoefficientBox::transform(const BlockShape& shape, SineAxes sines,
     const auto pass = [&](std::size_t axis, int outer, int inner) {
         if (n[axis] == 1)
             return;
-        const auto planes = axis == 1 && sines.v ? k.sine_planes : k.inverse_planes;
+        const bool sines = axis == 1 && axes.v == AxisTransform::sine;
+        const auto planes = sines ? k.sine_planes : k.inverse_planes;
         for (int o = 0; o < outer; ++o)
             planes(from + o * support_[axis] * inner, to + o * n[axis] * inner, support_[axis],
                    n[axis], inner);
         std::swap(from, to);
     };
-    if (columns_run_fastest()) { // never in a block with sines, which has one column
+    if (columns_run_fastest()) { // never in a block of one view, which has one column
         pass(0, support_[1], count_);
         pass(1, 1, n[0] * count_);
     } else {
         if (n[0] > 1) {
-            const auto rows = sines.u ? k.sine_rows : k.inverse_rows;
-            rows(from, to, support_[1] * count_, support_[0], n[0]);
+            const auto rows = axes.u == AxisTransform::sine ? k.sine_rows : k.inverse_rows;
+            if (axes.u == AxisTransform::none)
+                keep_rows(from, n[0], to);
+            else
+                rows(from, to, support_[1] * count_, support_[0], n[0]);
             std::swap(from, to);
         }
-        pass(1, count_, n[0]);
+        if (axes.v == AxisTransform::none)
+            std::fill(from + support_[1] * n[0], from + n[1] * n[0], 0);
+        else
+            pass(1, count_, n[0]);
     }
     const int page = n[0] * n[1];
     if (!is_picture(shape)) {

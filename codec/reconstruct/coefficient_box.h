@@ -39,12 +39,12 @@ public:
         return column < 0 || columns_run_fastest() ? column : column * support_[1];
     }
     // Dequantises a plane into `box` in the order that transform() expects, with room for all
-    // passes. Blocks with sines have one view.
+    // passes. Blocks with other transforms than cosines have one view.
     void dequantize(std::span<const NonZero> levels, const ScanOrder& order, const ScaleSet& scales,
-                    const ReconstructionOffsets& offsets, SineAxes sines,
+                    const ReconstructionOffsets& offsets, AxisTransforms axes,
                     std::vector<std::int32_t>& box) const;
     // Transforms coefficients in `a` to values in `a`, dense in block order. `b` is scratch memory.
-    void transform(const BlockShape& shape, SineAxes sines, std::vector<std::int32_t>& a,
+    void transform(const BlockShape& shape, AxisTransforms axes, std::vector<std::int32_t>& a,
                    std::vector<std::int32_t>& b) const;
 
 private:
@@ -52,6 +52,10 @@ private:
     static constexpr int views = max_frequencies * max_frequencies;
 
     void add_picture(std::span<const NonZero> levels, const ScanOrder& order);
+    void dequantize_picture(std::span<const NonZero> levels, const ScanOrder& order,
+                            const ScaleSet& scales, const ReconstructionOffsets& offsets,
+                            AxisTransforms axes, std::vector<std::int32_t>& box) const;
+    void keep_rows(const std::int32_t* columns, int nu, std::int32_t* out) const;
     // Small blocks have the support of all frequencies along u and v, unless only DC is not 0:
     // kernels have faster loops for these.
     static bool is_small(const BlockShape& shape);

@@ -31,8 +31,8 @@ public:
           planes_(is_of_base_ ? planes.base : planes.plane),
           levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)),
           prediction_(tile.is_predicted(index) ? &tile.predictions[index] : nullptr),
-          sines_(prediction_ != nullptr ? sine_axes(prediction_->transform, block_.shape)
-                                        : SineAxes{}),
+          axes_(prediction_ != nullptr ? axis_transforms(prediction_->transform, block_.shape)
+                                       : AxisTransforms{}),
           limit_(tile.predictions.empty() ? no_limit : value_limit(coding.type)) {
         if (prediction_ != nullptr && !prediction_->copies())
             reach_ = border_reach(block_, picture_, is_of_base_ ? planes.base_done : planes.done);
@@ -64,7 +64,7 @@ private:
         const ScaleSet& scales = coding_.scales(shape_, plane, colour_);
         scratch_.box.dequantize(
             levels(plane), shape_.order, fineness_ != 0 ? finer_scales(scales, fineness_) : scales,
-            coding_.parameters.offsets[static_cast<std::size_t>(plane_class(plane))], sines_,
+            coding_.parameters.offsets[static_cast<std::size_t>(plane_class(plane))], axes_,
             values);
     }
 
@@ -109,12 +109,12 @@ private:
     void finish(int plane) {
         const int shift = fraction_bits(coding_.type) - value_bits(coding_.type);
         // Passes with cosines would copy a lone DC coefficient within their range to all texels.
-        if (scratch_.box.is_constant() && !sines_.any() &&
+        if (scratch_.box.is_constant() && axes_.all_cosines() &&
             std::abs(scratch_.a[0]) < coefficient_limit) {
             finish_constant(plane, (scratch_.a[0] + (1 << (shift - 1))) >> shift);
             return;
         }
-        scratch_.box.transform(block_.shape, sines_, scratch_.a, scratch_.b);
+        scratch_.box.transform(block_.shape, axes_, scratch_.a, scratch_.b);
         if (prediction_ != nullptr) {
             add_prediction(plane, shift);
             return;
@@ -184,7 +184,7 @@ private:
     std::array<std::vector<std::int32_t>, max_planes>& planes_; // of picture_
     const PlaneLevels* const levels_;
     const BlockPrediction* const prediction_; // null if the block is not predicted
-    const SineAxes sines_;
+    const AxisTransforms axes_;
     const std::int32_t limit_; // for blocks without prediction
     BorderReach reach_;        // of a block that is predicted from its border
 };

@@ -17,8 +17,10 @@ std::vector<std::uint32_t> ShapeCoding::find_places(const ScanOrder& order) {
 
 TileCoding::TileCoding(const CodingParameters& coding_parameters, SampleType sample_type,
                        int plane_count)
-    : parameters(coding_parameters), tables(coding_parameters.parameters), type(sample_type),
-      planes(plane_count), rotates(coding_parameters.colour_rotation && plane_count >= 3),
+    : parameters(coding_parameters),
+      tables(coding_parameters.parameters, coding_parameters.leaves_out_transforms),
+      type(sample_type), planes(plane_count),
+      rotates(coding_parameters.colour_rotation && plane_count >= 3),
       predicts(coding_parameters.prediction) {}
 
 const ShapeCoding& TileCoding::shape(const BlockShape& shape) const {

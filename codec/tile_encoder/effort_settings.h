@@ -10,13 +10,14 @@ namespace tessera {
 // Figures: codec/DECISIONS.md and tests/regression/results.csv.
 // How pictures are searched (PictureEncoder).
 struct PictureSearch {
-    int coded_modes = 0;     // border modes of a block that are coded in full; 0: no border modes
-    int transform_modes = 0; // the cheapest of these, which are also coded with sines
-    bool halves = false;     // blocks may be halves of squares,
-    bool quarters = false;   // ... and quarters, or halves of these
-    bool borders = true;     // blocks are predicted from their borders
-    bool planar = true;      // ... as a plane,
-    bool directions = true;  // ... along a direction, and always as their mean
+    int coded_modes = 0;       // border modes of a block that are coded in full; 0: no border modes
+    int transform_modes = 0;   // the cheapest of these, which are also coded with sines
+    bool no_transform = false; // ... and without a transform along one axis or both
+    bool halves = false;       // blocks may be halves of squares,
+    bool quarters = false;     // ... and quarters, or halves of these
+    bool borders = true;       // blocks are predicted from their borders
+    bool planar = true;        // ... as a plane,
+    bool directions = true;    // ... along a direction, and always as their mean
 };
 
 struct EffortSettings {

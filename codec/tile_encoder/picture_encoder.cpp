@@ -93,13 +93,17 @@ PictureEncoder::Node PictureEncoder::encode_whole(const Block& block) {
     const ColourMemory colours = blocks_.memory;
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
         BlockPrediction prediction = from_border(candidates_[i].mode);
-        const bool tries_sines = static_cast<int>(i) < pictures_.transform_modes &&
-                                 transform_context(prediction.mode, block.shape) >= 0;
+        const bool tries_others = static_cast<int>(i) < pictures_.transform_modes &&
+                                  transform_context(prediction.mode, block.shape) >= 0;
         offer(block, prediction, {&slots_[candidates_[i].slot], candidates_[i].estimate}, best);
-        for (int plane = 0; tries_sines && plane < coding_.planes; ++plane)
+        for (int plane = 0; tries_others && plane < coding_.planes; ++plane)
             find_difference(block, prediction.mode, plane);
-        for (int kind = 1; tries_sines && kind < transform_kinds; ++kind) {
+        const int kinds =
+            coding_.parameters.leaves_out_transforms ? transform_kinds : usual_transform_kinds;
+        for (int kind = 1; tries_others && kind < kinds; ++kind) {
             prediction.transform = static_cast<BlockTransform>(kind);
+            if (axis_transforms(prediction.transform, block.shape).all_cosines())
+                continue;
             for (int plane = 0; plane < coding_.planes; ++plane)
                 transform(block, prediction, plane, coefficients_);
             blocks_.memory = colours;
@@ -178,9 +182,9 @@ void PictureEncoder::transform(const Block& block, const BlockPrediction& predic
     out.copies = false;
     out.is_predicted = prediction.is_predicted();
     out.fineness = search_.fineness();
-    out.is_blank[p] =
-        search_.source().transform_plane(block.shape, sine_axes(prediction.transform, block.shape),
-                                         difference_[p].data(), out.plane[p]);
+    out.is_blank[p] = search_.source().transform_plane(
+        block.shape, axis_transforms(prediction.transform, block.shape), difference_[p].data(),
+        out.plane[p]);
 }
 
 // Finds the modes that cost least in luma.

@@ -94,16 +94,16 @@ void SourceTile::transform(const Block& block, const BlockPrediction& prediction
     out.copies = prediction.copies();
     out.is_predicted = prediction.is_predicted();
     const auto texels = static_cast<std::size_t>(block.shape.texels());
-    const SineAxes sines = sine_axes(prediction.transform, block.shape);
+    const AxisTransforms axes = axis_transforms(prediction.transform, block.shape);
     difference_.resize(std::max(difference_.size(), texels));
     for (int p = 0; p < planes; ++p) {
         difference(block, prediction, p, reconstructed, difference_.data());
-        out.is_blank[p] = transform_plane(block.shape, sines, difference_.data(), out.plane[p]);
+        out.is_blank[p] = transform_plane(block.shape, axes, difference_.data(), out.plane[p]);
     }
 }
 
-bool SourceTile::transform_plane(const BlockShape& shape, SineAxes sines, const float* difference,
-                                 std::vector<float>& out) {
+bool SourceTile::transform_plane(const BlockShape& shape, AxisTransforms axes,
+                                 const float* difference, std::vector<float>& out) {
     const auto texels = static_cast<std::size_t>(shape.texels());
     // Both buffers only grow, because they are swapped below and growing clears memory.
     out.resize(std::max(out.size(), texels));
@@ -113,7 +113,10 @@ bool SourceTile::transform_plane(const BlockShape& shape, SineAxes sines, const 
     for (int axis = blank ? -1 : 3; axis >= 0; --axis) {
         if (shape.n[axis] == 1)
             continue;
-        if ((axis == 0 && sines.u) || (axis == 1 && sines.v))
+        const AxisTransform kind = axis == 0 ? axes.u : axis == 1 ? axes.v : AxisTransform::cosine;
+        if (kind == AxisTransform::none)
+            continue;
+        if (kind == AxisTransform::sine)
             forward_sine_axis(from, scratch_.data(), shape, axis);
         else
             forward_axis(from, scratch_.data(), shape, axis);

@@ -43,7 +43,7 @@ public:
     void subtract(const Block& block, int plane, const std::int32_t* predicted, float* to) const;
     // The coefficients of such a difference, which must not be in `out`. Returns whether they are
     // all 0.
-    bool transform_plane(const BlockShape& shape, SineAxes sines, const float* difference,
+    bool transform_plane(const BlockShape& shape, AxisTransforms axes, const float* difference,
                          std::vector<float>& out);
 
 private:

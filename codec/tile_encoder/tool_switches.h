@@ -29,6 +29,7 @@ enum class CodingTool : std::uint8_t {
     picture_splits, // blocks of pictures are also cut into halves and quarters along u or v
     chroma_from_luma, // Co and Cg of a block are predicted from its luma
     sines,            // residuals in pictures are transformed with sines or cosines
+    no_transform,     // residuals in pictures are coded as they are along one axis or both
     planar,           // borders may be continued as a plane
     directions,       // borders may be continued along 32 directions
 };
@@ -53,6 +54,7 @@ inline constexpr std::array coding_tool_names = {"copies",
                                                  "picture-splits",
                                                  "chroma-from-luma",
                                                  "sines",
+                                                 "no-transform",
                                                  "planar",
                                                  "directions"};
 

@@ -60,7 +60,7 @@ void put_symbols(const SymbolTable<symbols>& table, Words& words, int at, int co
 // Writes a list of tables, which must fill the words from `begin` to `end`.
 template <int begin, int end, int symbols, std::size_t count>
 void put_list(std::span<const SymbolTable<symbols>, count> list, Words& words) {
-    constexpr int each = symbols <= 3 ? 1 : symbols <= 5 ? tsr_symbol5_words : tsr_symbol_words;
+    constexpr int each = (end - begin) / int{count};
     static_assert(symbols - 1 <= 2 * each && int{count} * each == end - begin);
     int at = begin;
     for (const auto& table : list) {
@@ -330,7 +330,8 @@ Result<DecodeTables> DecodeTables::make(const ContainerReader& reader, ScanMemor
     Words& words = tables.words_;
     words.resize(tsr_t_end + tables.ids_.size() * tsr_shape_words);
     put_header(header, coding, words);
-    tables.code_tables_ = std::make_unique<const CodeTables>(coding.parameters);
+    tables.code_tables_ =
+        std::make_unique<const CodeTables>(coding.parameters, coding.leaves_out_transforms);
     put_code_tables(*tables.code_tables_, words);
     put_transform_tables(words);
     words[tsr_t_shapes] = tsr_t_end;

@@ -79,6 +79,7 @@ const int tsr_t_fields = 23;           // number of these words
 // tsr_symbol_words elsewhere.
 const int tsr_symbol_words = 12;
 const int tsr_symbol5_words = 2;
+const int tsr_symbol7_words = 3;
 
 // Each line gives the first word of a table and the word behind its last. A table begins where the
 // one above it ends: to add one, insert its line and let the next line begin at its end.
@@ -128,7 +129,7 @@ const int tsr_t_mode = tsr_base_displacement_end,
 // Transforms of blocks of pictures, two words each, by context.
 const int tsr_transform_contexts = 12;
 const int tsr_t_transform = tsr_mode_end,
-    tsr_transform_end = tsr_t_transform + tsr_transform_contexts * tsr_symbol5_words;
+    tsr_transform_end = tsr_t_transform + tsr_transform_contexts * tsr_symbol7_words;
 // Colour rotations, signed: [rotation][row][column].
 const int tsr_t_rotation = tsr_transform_end,
     tsr_rotation_end = tsr_t_rotation + tsr_rotations * 9;
@@ -277,8 +278,14 @@ const int tsr_k_place = 0; // origin, see tsr_place_v
 const int tsr_k_shape = 1;
 const int tsr_k_first = 2;  // its first level, counted in its segment
 const int tsr_k_counts = 3; // levels of planes 0 to 2 | of plane 3 << 16
-// 1 if it has sines along u | 2 if along v | largest ks << 8 | largest kt << 16 | segment of tile << 24
+// tsr_sines_u and so on | largest ks << 8 | largest kt << 16 | segment of tile << 24
 const int tsr_k_rest = 4;
+// The axes of a block that have sines, and those without a transform. The others have cosines.
+const uint tsr_sines_u = 1u;
+const uint tsr_sines_v = 2u;
+const uint tsr_plain_u = 4u;
+const uint tsr_plain_v = 8u;
+const uint tsr_axes_mask = 15u;
 // 0 plain; rotation + 1; or tsr_colour_shares | shares of Co and Cg as signed bytes << 16, << 24.
 const int tsr_k_colour = 5;
 const int tsr_block_words = 6;

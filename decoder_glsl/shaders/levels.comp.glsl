@@ -61,7 +61,7 @@ struct TsrSegmentWalk {
     int coded; // number of scan entries
     bool copies;
     uint colour; // see tsr_k_colour
-    uint sines;  // see tsr_k_rest
+    uint axes;   // see tsr_k_rest
     uint first;     // raw levels of the segment before it
     uint counts;    // see tsr_k_counts
     uint largest_s; // frequency
@@ -86,7 +86,7 @@ struct TsrSegmentWalk {
 void tsr_begin_block(TSR_INOUT(TsrSegmentWalk) w) {
     w.plane = 0;
     w.colour = 0u;
-    w.sines = 0u;
+    w.axes = 0u;
     w.first = w.count;
     w.counts = 0u;
     w.largest_s = 0u;
@@ -102,7 +102,7 @@ void tsr_end_block(TSR_INOUT(TsrSegmentWalk) w) {
     tsr_set_work(at + uint(tsr_k_first), w.first);
     tsr_set_work(at + uint(tsr_k_counts), w.counts);
     tsr_set_work(at + uint(tsr_k_rest),
-                 w.sines | (w.largest_s << 8) | (w.largest_t << 16) | (w.segment_of_tile << 24));
+                 w.axes | (w.largest_s << 8) | (w.largest_t << 16) | (w.segment_of_tile << 24));
     tsr_set_work(at + uint(tsr_k_colour), w.colour);
     w.block += 1u;
 }
@@ -140,6 +140,11 @@ void tsr_take_share(TSR_INOUT(TsrSegmentWalk) w, int difference) {
     w.last_colour = w.colour;
 }
 
+// Whether an axis with this side may have no transform: the side is a power of 2 above 1.
+bool tsr_may_be_plain(int side) {
+    return side > 1 && (side & (side - 1)) == 0;
+}
+
 // Decodes the transform of a block, if it has a symbol for it.
 void tsr_take_transform(TSR_INOUT(TsrSegmentWalk) w) {
     uint copy = tsr_copy(w.tile, w.block);
@@ -147,10 +152,16 @@ void tsr_take_transform(TSR_INOUT(TsrSegmentWalk) w) {
     if ((copy & tsr_copy_of_border) == 0u || context == 0u)
         return;
     int symbol =
-        tsr_symbol5(w.r, uint(tsr_t_transform) + (context - 1u) * uint(tsr_symbol5_words));
+        tsr_symbol7(w.r, uint(tsr_t_transform) + (context - 1u) * uint(tsr_symbol7_words));
     ivec4 sides = tsr_sides_of(w.shape);
-    w.sines = (sides.x > 1 && (symbol == 1 || symbol == 2) ? 1u : 0u) |
-              (sides.y > 1 && (symbol == 1 || symbol == 3) ? 2u : 0u);
+    if (sides.x > 1 && (symbol == 1 || symbol == 2))
+        w.axes |= tsr_sines_u;
+    if (sides.y > 1 && (symbol == 1 || symbol == 3))
+        w.axes |= tsr_sines_v;
+    if (tsr_may_be_plain(sides.x) && (symbol == 4 || symbol == 5))
+        w.axes |= tsr_plain_u;
+    if (tsr_may_be_plain(sides.y) && (symbol == 4 || symbol == 6))
+        w.axes |= tsr_plain_v;
 }
 
 // Decodes the length of a plane and, behind that of plane 0, the colour of the block; or a share,

@@ -93,16 +93,27 @@ TsrLevels tsr_find_levels(uint first, uint count, uint own_key, uint own_plane) 
     return found;
 }
 
+// The logarithm of a side that is a power of 2, at most tsr_max_sine_side.
+int tsr_log2_of_side(int side) {
+    return side >= 32 ? 5 : (side >= 16 ? 4 : (side >= 8 ? 3 : (side >= 4 ? 2 : (side >= 2 ? 1 : 0))));
+}
+
 // The coefficients of planes 0 to 2, or of plane 3 in x. `colour`: see tsr_k_colour; `copy`: the
-// copy record of the block; `sines`: see tsr_k_rest.
+// copy record of the block; `block_axes`: see tsr_k_rest.
 ivec3 tsr_coefficients_of(TsrLevels found, bool plane_3, uint frequency, uint shape, uint colour,
-                          uint copy, uint sines) {
-    int axes = ((frequency & 31u) != 0u || (sines & 1u) != 0u ? 1 : 0) +
-               ((frequency & 0x3E0u) != 0u || (sines & 2u) != 0u ? 1 : 0) +
+                          uint copy, uint block_axes) {
+    ivec4 sides = tsr_sides_of(shape);
+    // Of axes without a transform: the logarithms of their sides (FORMAT.md 4.1).
+    int log_u = (block_axes & tsr_plain_u) != 0u ? tsr_log2_of_side(sides.x) : -1;
+    int log_v = (block_axes & tsr_plain_v) != 0u ? tsr_log2_of_side(sides.y) : -1;
+    bool counts_u = (frequency & 31u) != 0u || (block_axes & tsr_sines_u) != 0u;
+    bool counts_v = (frequency & 0x3E0u) != 0u || (block_axes & tsr_sines_v) != 0u;
+    int axes = (log_u >= 0 ? log_u & 1 : (counts_u ? 1 : 0)) +
+               (log_v >= 0 ? log_v & 1 : (counts_v ? 1 : 0)) +
                ((frequency & 0x7C00u) != 0u ? 1 : 0) + ((frequency & 0xF8000u) != 0u ? 1 : 0);
     // The steps of a base picture's blocks are 2^(-k / 2) times the file's (FORMAT.md 4.1).
     int k = (copy & tsr_copy_of_base) != 0u ? int((copy >> 16) & 15u) : 0;
-    int finer = (k + 1) >> 1;
+    int finer = ((k + 1) >> 1) - (max(log_u, 0) >> 1) - (max(log_v, 0) >> 1);
     int scales = tsr_s_scales + min(axes + (k & 1), tsr_scales_of_set - 1);
     int first_offset = tsr_t_offsets;
     int other_offset = tsr_t_offsets + 2;

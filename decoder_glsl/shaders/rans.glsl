@@ -130,6 +130,17 @@ int tsr_symbol5(TSR_INOUT(TsrRans) r, uint at) {
     return s.index;
 }
 
+// Decodes one of up to seven symbols, whose table is three words.
+int tsr_symbol7(TSR_INOUT(TsrRans) r, uint at) {
+    uint slot = r.state & 4095u;
+    TsrSymbol s = tsr_first_symbol();
+    tsr_two_starts(tsr_table(at), slot, s);
+    tsr_two_starts(tsr_table(at + 1u), slot, s);
+    tsr_two_starts(tsr_table(at + 2u), slot, s);
+    tsr_consume(r, s.start, s.end);
+    return s.index;
+}
+
 // Decodes the raw bits behind a token and returns the magnitude, 1..2^21 (FORMAT.md 3.4).
 uint tsr_magnitude(TSR_INOUT(TsrRans) r, int token) {
     if (token < 4)

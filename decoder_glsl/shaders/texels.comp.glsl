@@ -24,7 +24,7 @@ struct TsrItem {
     uint first; // position: u + v * (side along u)
     int positions;
     TsrPatch patch_of;
-    uint sines;        // see tsr_k_rest
+    uint axes;         // see tsr_k_rest
     ivec4 origin;      // of the block in the tile
     uint copies;       // its copy record, see tsr_copy_words
     uint coefficients; // the first one
@@ -49,7 +49,7 @@ TsrItem tsr_item(uint number) {
     uint counts = tsr_work_word(block + uint(tsr_k_counts));
     uint rest = tsr_work_word(block + uint(tsr_k_rest));
     item.patch_of = tsr_patch(tsr_work_word(block + uint(tsr_k_shape)), rest);
-    item.sines = rest & 3u;
+    item.axes = rest & tsr_axes_mask;
     item.first = range & 0xFFFFu;
     item.positions = min(int(range >> 16), item.patch_of.positions);
     item.origin = tsr_origin_of(tsr_work_word(block + uint(tsr_k_place)));
@@ -128,7 +128,7 @@ void tsr_walk_run(TsrItem item, int first_plane, int position, uint begin, uint 
         return;
     int place = int(item.first) + position;
     int nu = max(item.patch_of.sides.x, 1);
-    TsrWalk w = tsr_start_walk(item.patch_of.sides, item.sines, ivec2(place % nu, place / nu));
+    TsrWalk w = tsr_start_walk(item.patch_of.sides, item.axes, ivec2(place % nu, place / nu));
     w.key = tsr_coefficient_at(begin).x;
     // Four per round, so that the longest runs stay far below the bound on rounds.
     for (uint i = 0u; i < count; i += 4u) {

@@ -162,7 +162,8 @@ bool has_geometry(const Description& d) {
 std::string feature_name(unsigned bit) {
     constexpr const char* names[] = {
         "coarse levels",           "corrections",  "quality layers", "colour rotation per leaf",
-        "prediction inside tiles", "stored tiles", "aligned views",  "layers"};
+        "prediction inside tiles", "stored tiles", "aligned views",  "layers",
+        "axes without a transform"};
     return bit < std::size(names) ? names[bit] : "bit " + std::to_string(bit);
 }
 

@@ -31,6 +31,21 @@ void build(SymbolTable<symbols>& table, const std::uint8_t* chain, int chain_len
     table.start[symbols] = probability_total;
 }
 
+// The last symbols have no share where no transform is left out, so they never occur.
+void build_transform(const Parameters& parameters, bool leaves_out, int context,
+                     SymbolTable<transform_kinds>& table) {
+    std::array<std::uint8_t, transform_kinds - 1> chain{};
+    for (int kind = 0; kind + 1 < transform_kinds; ++kind)
+        chain[static_cast<std::size_t>(kind)] =
+            parameters[static_cast<std::size_t>(transform_parameter(context, kind))];
+    if (leaves_out)
+        return build(table, chain.data(), transform_kinds - 1);
+    SymbolTable<usual_transform_kinds> usual;
+    build(usual, chain.data(), usual_transform_chain);
+    table.start.fill(probability_total);
+    std::ranges::copy(usual.start, table.start.begin());
+}
+
 } // namespace
 
 std::uint32_t stop_frequency(std::uint8_t parameter) {
@@ -38,7 +53,7 @@ std::uint32_t stop_frequency(std::uint8_t parameter) {
     return frequencies[parameter & (parameter_count_of_odds - 1)];
 }
 
-CodeTables::CodeTables(const Parameters& parameters) {
+CodeTables::CodeTables(const Parameters& parameters, bool leaves_out) {
     for (int i = 0; i < zero_parameters; ++i)
         zero[static_cast<std::size_t>(i)] =
             static_cast<std::uint16_t>(stop_frequency(parameters[i]));
@@ -66,7 +81,9 @@ CodeTables::CodeTables(const Parameters& parameters) {
     build(base_displacement, next, displacement_tokens - 1);
     next += displacement_tokens - 1;
     build_next(mode, mode_symbols - 1);
-    build_next(transform, transform_kinds - 1);
+    for (int context = 0; context < transform_contexts; ++context)
+        build_transform(parameters, leaves_out, context,
+                        transform[static_cast<std::size_t>(context)]);
 }
 
 } // namespace tessera

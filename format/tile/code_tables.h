@@ -175,9 +175,19 @@ constexpr int mode_offset = base_displacement_offset + displacement_tokens - 1;
 constexpr int mode_symbols = 6;  // see ModeMemory in format/tile/border_mode.h
 constexpr int mode_contexts = 9; // kinds of the modes above and to the left
 constexpr int transform_offset = mode_offset + mode_contexts * (mode_symbols - 1);
-constexpr int transform_kinds = 4;     // see BlockTransform in format/tile/block_transform.h
-constexpr int transform_contexts = 12; // four sizes of the block, times three kinds of its mode
-constexpr int parameter_count = transform_offset + transform_contexts * (transform_kinds - 1);
+constexpr int transform_kinds = 7;       // see BlockTransform in format/tile/block_transform.h
+constexpr int usual_transform_kinds = 4; // those that do not leave out a transform
+constexpr int transform_contexts = 12;   // four sizes of the block, times three kinds of its mode
+constexpr int usual_transform_chain = usual_transform_kinds - 1;
+constexpr int no_transform_chain = transform_kinds - usual_transform_kinds;
+constexpr int no_transform_offset = transform_offset + transform_contexts * usual_transform_chain;
+constexpr int parameter_count = no_transform_offset + transform_contexts * no_transform_chain;
+// The parameter that decides whether a transform symbol is `kind` or a later one.
+constexpr int transform_parameter(int context, int kind) {
+    return kind < usual_transform_chain
+               ? transform_offset + context * usual_transform_chain + kind
+               : no_transform_offset + context * no_transform_chain + kind - usual_transform_chain;
+}
 
 // A value per parameter. They are on the heap, because functions return structures that hold them,
 // and the stack of a caller's thread may be small.
@@ -262,7 +272,8 @@ template <int symbols> int decode_difference(RansDecoder& rans, const SymbolTabl
 
 // The tables of all symbols, computed from the parameters. Immutable, so thread-safe.
 struct CodeTables {
-    explicit CodeTables(const Parameters& parameters);
+    // leaves_out: transform symbols may be those that leave out a transform.
+    explicit CodeTables(const Parameters& parameters, bool leaves_out = true);
 
     std::array<std::uint16_t, zero_parameters> zero; // frequency of a coefficient of 0
     std::array<SymbolTable<magnitude_tokens>, all_magnitude_tables> magnitude;

@@ -12,7 +12,8 @@ namespace {
 // The flags of section CODE.
 constexpr unsigned rotation_flag = 1, prediction_flag = 2, dependent_flag = 4, smooth_flag = 8,
                    filter_flag = 16, base_flag = 32, v_against_u_flag = 64, weights_flag = 128,
-                   differences_flag = 256, pictures_flag = 512, known_flags = 1023;
+                   differences_flag = 256, pictures_flag = 512, no_transform_flag = 1024,
+                   known_flags = 2047;
 
 // The probabilities with which the differences from the defaults are coded, which the writer fits
 // to them: that a difference is 0 after a difference of 0, that it is 0 after another difference,
@@ -41,7 +42,8 @@ std::uint8_t fit(double stops, double goes) {
 // Whether section CODE stores a parameter. The others have their default values.
 bool holds(const CodingParameters& coding, std::size_t parameter) {
     const int i = static_cast<int>(parameter);
-    return (coding.prediction || !is_of_copies(i)) && (coding.base.on || !is_of_bases(i));
+    return (coding.prediction || !is_of_copies(i)) && (coding.base.on || !is_of_bases(i)) &&
+           (coding.leaves_out_transforms || i < no_transform_offset);
 }
 
 // Calls decide(index in DifferenceModel, decision) and sign(is negative) in the order in which they
@@ -87,7 +89,8 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding, i
             (coding.filter.is_on() ? filter_flag : 0) | (coding.base.on ? base_flag : 0) |
             (coding.base.v_against_u ? v_against_u_flag : 0) | (weights ? weights_flag : 0) |
             (differs ? differences_flag : 0) |
-            (coding.defaults == DefaultSet::pictures ? pictures_flag : 0),
+            (coding.defaults == DefaultSet::pictures ? pictures_flag : 0) |
+            (coding.leaves_out_transforms ? no_transform_flag : 0),
         2);
     for (int plane = 0; plane < planes; ++plane)
         put(coding.step[static_cast<std::size_t>(plane)].bits, 2);
@@ -167,6 +170,9 @@ Status read_flags(unsigned flags, CodingParameters& coding) {
     coding.use_defaults((flags & pictures_flag) != 0 ? DefaultSet::pictures : DefaultSet::views);
     if (coding.smooth_copies && !coding.prediction)
         return bad_section("smooth copies without predictions");
+    coding.leaves_out_transforms = (flags & no_transform_flag) != 0;
+    if (coding.leaves_out_transforms && !coding.prediction)
+        return bad_section("axes without a transform, but no predictions");
     coding.base.on = (flags & base_flag) != 0;
     coding.base.v_against_u = (flags & v_against_u_flag) != 0;
     if (coding.base.on ? !coding.prediction : coding.base.v_against_u)
@@ -277,12 +283,20 @@ Result<CodingParameters> with_coarser_steps(CodingParameters coding, unsigned st
     return coding;
 }
 
+std::uint64_t features_of(const CodingParameters& coding) {
+    return (coding.prediction ? feature_prediction : 0) |
+           (coding.leaves_out_transforms ? feature_no_transform : 0);
+}
+
 Status check_features(const CodingParameters& coding, std::uint64_t required_features) {
-    const bool prediction = (required_features & feature_prediction) != 0;
-    if (coding.prediction != prediction)
+    const std::uint64_t differs = features_of(coding) ^ required_features;
+    if ((differs & feature_prediction) != 0)
         return {ErrorCode::invalid_file,
                 "section CODE and the header disagree about prediction (required feature 4)"};
-    if (prediction && (required_features & feature_corrections) != 0)
+    if ((differs & feature_no_transform) != 0)
+        return {ErrorCode::invalid_file, "section CODE and the header disagree about axes without "
+                                         "a transform (required feature 8)"};
+    if (coding.prediction && (required_features & feature_corrections) != 0)
         return {ErrorCode::invalid_file, "a file cannot have both prediction and corrections"};
     return {};
 }

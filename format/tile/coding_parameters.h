@@ -24,10 +24,11 @@ struct CodingParameters {
     StepCode rotated_step;                   // of planes 0 to 2 of blocks with rotated colour
     bool colour_rotation = false;            // blocks have colour symbols (3 or 4 planes)
     bool prediction = false;                 // blocks have prediction symbols (required feature 4)
-    bool smooth_copies = false; // copies use the smooth filter of 4.6; only with prediction
-    BasePictures base;          // only with prediction
-    TileFilter filter;          // of decoded tiles
-    bool dependent = false;     // dependent quantisation, see format/tile/code_tables.h
+    bool leaves_out_transforms = false; // of axes of blocks (required feature 8); with prediction
+    bool smooth_copies = false;         // copies use the smooth filter of 4.6; only with prediction
+    BasePictures base;                  // only with prediction
+    TileFilter filter;                  // of decoded tiles
+    bool dependent = false;             // dependent quantisation, see format/tile/code_tables.h
     std::array<ReconstructionOffsets, plane_classes> offsets{};
     ScanWeights scan_weights = default_scan_weights;
     std::uint16_t correction_error = 0;      // E of FORMAT.md 3.6, in sample codes
@@ -54,6 +55,9 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
 // The parameters of a coarse level, with every step multiplied by 2^step_shift (FORMAT.md 1.5).
 // Errors: invalid_file if a step would be too large.
 Result<CodingParameters> with_coarser_steps(CodingParameters coding, unsigned step_shift);
+
+// The required features that the header of a file with such a section CODE announces for it.
+std::uint64_t features_of(const CodingParameters& coding);
 
 // Checks that section CODE uses the tools that the header announces. Errors: invalid_file.
 Status check_features(const CodingParameters& coding, std::uint64_t required_features);

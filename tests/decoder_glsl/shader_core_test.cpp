@@ -158,7 +158,7 @@ TEST(ShaderCore, BasisMatchesTheFormat) {
     // The tables lie one behind the other.
     EXPECT_EQ(shaders::tsr_t_mode + mode_contexts * shaders::tsr_symbol_words,
               shaders::tsr_t_transform);
-    EXPECT_EQ(shaders::tsr_t_transform + transform_contexts * shaders::tsr_symbol5_words,
+    EXPECT_EQ(shaders::tsr_t_transform + transform_contexts * shaders::tsr_symbol7_words,
               shaders::tsr_t_rotation);
     EXPECT_EQ(shaders::tsr_t_direction + border_directions, shaders::tsr_t_filter);
     EXPECT_EQ(shaders::tsr_t_filter + 4 * filter_rings, shaders::tsr_t_basis);
@@ -234,6 +234,7 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
         files.push_back(
             std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, true)));
         parameters.prediction = true;
+        parameters.leaves_out_transforms = number % 3 != 0;
         parameters.smooth_copies = number % 4 >= 2;
         parameters.base = {.on = number % 2 == 0, .margin = 3, .v_against_u = number % 4 == 0};
         files.push_back(

@@ -99,7 +99,7 @@ TEST(CodeTables, FollowTheOrderOfParameters) {
     expect_first(tables.mode.front(), mode_offset);
     expect_first(tables.mode.back(), transform_offset - mode_symbols + 1);
     expect_first(tables.transform.front(), transform_offset);
-    expect_first(tables.transform.back(), parameter_count - transform_kinds + 1);
+    expect_first(tables.transform.back(), no_transform_offset - usual_transform_chain);
 }
 
 TEST(CodeTables, OddsFollowTheFormula) {

@@ -215,6 +215,7 @@ TEST(CodingParameters, AcceptsTheLargestOffsetsAndAllFlags) {
     constexpr std::size_t offsets = 12, flags = 0; // after 5 steps
     CodingParameters coding;
     coding.colour_rotation = coding.prediction = coding.dependent = coding.smooth_copies = true;
+    coding.leaves_out_transforms = true;
     coding.base = {.on = true, .margin = 1, .v_against_u = true};
     coding.filter.ring[1][2] = {-127, 255};
     Bytes bytes = write_all(coding);
@@ -223,7 +224,7 @@ TEST(CodingParameters, AcceptsTheLargestOffsetsAndAllFlags) {
     const Bytes all = write_all(coding);
     EXPECT_TRUE(read_all(all));
     EXPECT_EQ(all[flags], std::byte{255});
-    EXPECT_EQ(all[flags + 1], std::byte{1});
+    EXPECT_EQ(all[flags + 1], std::byte{5});
     for (std::size_t i = offsets; i < offsets + 4; ++i) {
         bytes[i] = std::byte{32};
         EXPECT_FALSE(read_all(bytes));

@@ -21,6 +21,7 @@ std::vector<Bytes> seeds() {
     CodingParameters changed;
     changed.colour_rotation = true;
     changed.prediction = true;
+    changed.leaves_out_transforms = true;
     changed.smooth_copies = true;
     changed.base = {.on = true, .margin = 4, .v_against_u = true};
     changed.dependent = true;

@@ -38,6 +38,7 @@ const std::vector<Setting>& settings() {
         for (int i = 0; i < settings_count; ++i) {
             CodingParameters parameters;
             parameters.prediction = i >= 8;
+            parameters.leaves_out_transforms = i == 8 || i == 11;
             parameters.smooth_copies = i == 9;
             if (i >= 9)
                 parameters.base = {

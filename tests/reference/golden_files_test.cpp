@@ -94,6 +94,13 @@ void regenerate_golden() {
                             return test::moving_picture(150 * u, 83 * v, c);
                         });
     write("picture8.tess", picture, {Kind::quality, 60}, {150, 83, 1, 1}, usual_effort);
+    // Isolated bright texels and lines, which are coded without a transform.
+    CodeTexture dots({{96, 64, 1, 1}, unorm8, 3}, [](double u, double v, double, double, int c) {
+        const int x = static_cast<int>(96 * u), y = static_cast<int>(64 * v);
+        const bool is_bright = (x * 7 + y * 13) % 41 == 0 || (x < 48 && y % 9 == 4);
+        return 0.3 + 0.1 * u + (is_bright ? 0.2 + 0.1 * c : 0.0);
+    });
+    write("picture8_plain.tess", dots, {Kind::quality, 60}, {96, 64, 1, 1}, most_effort);
     CodeTexture bright({{40, 33, 1, 1}, half16, 4}, [](double u, double v, double, double, int c) {
         return c == 3 ? v : 40 * test::moving_picture(20 * u, 16 * v, c) - 12;
     });

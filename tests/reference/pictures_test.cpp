@@ -96,7 +96,8 @@ TEST(Pictures, BasePicturesOfCameraGrids) {
 class HandMadeTile {
 public:
     HandMadeTile(const CodingParameters& parameters, const TextureDesc& desc)
-        : parameters_(parameters), desc_(desc), tables_(parameters.parameters) {}
+        : parameters_(parameters), desc_(desc),
+          tables_(parameters.parameters, parameters.leaves_out_transforms) {}
 
     HandMadeTile& split(int kind, int a = 0, int b = 0) {
         tables_.split[depth_class(a)][depth_class(b)].encode(coder_, kind);
@@ -170,7 +171,7 @@ public:
         contents.colour = desc.channels >= 3 ? ColourTransform::ycocg_r : ColourTransform::none;
         for (std::size_t i = 0; i < desc.channels; ++i)
             contents.background[i] = 100;
-        contents.required_features = parameters.prediction ? feature_prediction : 0;
+        contents.required_features = features_of(parameters);
         contents.codec_parameters = section;
         contents.tile = [&](std::uint64_t) { return std::span<const std::byte>(payload); };
         Bytes file;
@@ -414,6 +415,38 @@ TEST(ForgedPictures, Transforms) {
     EXPECT_TRUE(empty.split(0).mode(0, 2).empty_block(64).is_accepted("no luma"));
 }
 
+// With flag 10 seven symbols exist. Where a side is no power of 2, leaving out its transform changes
+// nothing.
+TEST(ForgedPictures, NoTransform) {
+    CodingParameters parameters;
+    parameters.prediction = parameters.leaves_out_transforms = true;
+    for (StepCode& step : parameters.step)
+        step.bits = 9 << 11;
+    const auto whole = [&](const Extent4& size, int symbol) {
+        HandMadeTile tile(parameters, {size, SampleType::unorm8, 1});
+        const int texels = static_cast<int>(texel_count(size));
+        const int side = static_cast<int>(std::max(size[axis_u], size[axis_v]));
+        const int context = side <= 4 ? 0 : side <= 8 ? 3 : side <= 16 ? 6 : 9;
+        tile.split(0).mode(0, 1).one_coefficient(texels).transform(context, symbol);
+        tile.coefficient(texels, 3);
+        const Outcome outcome = tile.outcome(to_string(size) + " " + std::to_string(symbol));
+        EXPECT_TRUE(outcome.accepted);
+        return outcome.texels;
+    };
+    for (const Extent4& size : {Extent4{4, 8, 1, 1}, {8, 2, 1, 1}, {32, 32, 1, 1}, {16, 2, 1, 1}}) {
+        std::set<Bytes> outcomes;
+        for (int symbol = 0; symbol < transform_kinds; ++symbol)
+            outcomes.insert(whole(size, symbol));
+        EXPECT_EQ(outcomes.size(), std::size_t{transform_kinds}) << to_string(size);
+    }
+    EXPECT_EQ(whole({6, 12, 1, 1}, 4), whole({6, 12, 1, 1}, 0));
+    EXPECT_EQ(whole({6, 8, 1, 1}, 4), whole({6, 8, 1, 1}, 6));
+    EXPECT_EQ(whole({1, 8, 1, 1}, 5), whole({1, 8, 1, 1}, 0));
+    parameters.prediction = false;
+    HandMadeTile tile(parameters, {{4, 4, 1, 1}, SampleType::unorm8, 1});
+    EXPECT_FALSE(tile.split(0).empty_block(16).is_accepted("flag 10 without flag 1"));
+}
+
 // Random bytes in place of a tile. Both decoders must end without a crash and agree.
 TEST(ForgedPictures, RandomBytes) {
     Random random(11);
@@ -424,6 +457,7 @@ TEST(ForgedPictures, RandomBytes) {
             parameters.parameters = random_parameters(random);
             parameters.prediction = true;
             parameters.colour_rotation = random.chance(0.5);
+            parameters.leaves_out_transforms = random.chance(0.5);
             parameters.base.on = random.chance(0.5);
             parameters.base.margin = static_cast<std::uint8_t>(random.range(0, 31));
             parameters.dependent = random.chance(0.5);

@@ -107,14 +107,15 @@ void inverse_line(int64_t* values, int n, bool has_sines, size_t stride) {
 } // namespace
 
 void inverse_transform(std::vector<int64_t>& values, const Vector4& n,
-                       const std::array<bool, 4>& sines, int bits) {
+                       const std::array<AxisTransform, 4>& transforms, int bits) {
     size_t stride = 1;
     for (size_t axis = 0; axis < 4; ++axis) {
         const size_t side = static_cast<size_t>(n[axis]);
-        if (side > 1)
+        if (side > 1 && transforms[axis] != AxisTransform::none)
             for (size_t outer = 0; outer < values.size(); outer += stride * side)
                 for (size_t inner = 0; inner < stride; ++inner)
-                    inverse_line(&values[outer + inner], n[axis], sines[axis], stride);
+                    inverse_line(&values[outer + inner], n[axis],
+                                 transforms[axis] == AxisTransform::sines, stride);
         stride *= side;
     }
     for (int64_t& value : values)

@@ -47,8 +47,9 @@ int64_t dequantise(int64_t level, const Scale& scale, int offset);
 
 // Transforms `values`, which place() indexes, in four passes and rounds them. The results are in
 // units of 2^-(F - bits) of a code.
+enum class AxisTransform { cosines, sines, none };
 void inverse_transform(std::vector<int64_t>& values, const Vector4& n,
-                       const std::array<bool, 4>& sines, int bits);
+                       const std::array<AxisTransform, 4>& transforms, int bits);
 
 using Matrix = std::array<std::array<int64_t, 3>, 3>; // [row][column]
 

@@ -218,8 +218,15 @@ void TileDecoder::read_transform(Stream& stream, Block& block) {
     const size_t c = larger <= 4 ? 0 : larger <= 8 ? 1 : larger <= 16 ? 2 : 3;
     const size_t k = block.mode <= 2 ? 0 : block.mode <= 18 ? 1 : 2;
     const int symbol = stream.symbol(code_.transform[3 * c + k]);
-    block.sines[0] = block.size[0] > 1 && (symbol == 1 || symbol == 2);
-    block.sines[1] = block.size[1] > 1 && (symbol == 1 || symbol == 3);
+    const bool sines[2] = {symbol == 1 || symbol == 2, symbol == 1 || symbol == 3};
+    const bool none[2] = {symbol == 4 || symbol == 5, symbol == 4 || symbol == 6};
+    for (size_t axis = 0; axis < 2; ++axis) {
+        const auto side = static_cast<unsigned>(block.size[axis]);
+        if (sines[axis] && side > 1)
+            block.transforms[axis] = AxisTransform::sines;
+        else if (none[axis] && side > 1 && std::has_single_bit(side))
+            block.transforms[axis] = AxisTransform::none;
+    }
 }
 
 void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t work) {

@@ -16,7 +16,7 @@ constexpr uint8_t default_parameter_list[] = {
 constexpr uint8_t picture_parameter_list[] = {
 #include "format/tables/picture_parameters.inc"
 };
-constexpr size_t parameter_count = 5983;
+constexpr size_t parameter_count = 6019;
 static_assert(std::size(default_parameter_list) == parameter_count);
 static_assert(std::size(picture_parameter_list) == parameter_count);
 
@@ -60,14 +60,16 @@ Code read_code(Bytes section, const Header& header) {
     };
     Code code;
     const int flags = next_u16();
-    require(flags <= 1023, "CODE: flags");
+    require(flags <= 2047, "CODE: flags");
     code.has_colour_symbols = flags & 1;
     code.has_predictions = flags >> 1 & 1;
+    code.leaves_out_transforms = flags & 1024;
     code.dependent = flags & 4;
     code.smooth_copies = flags & 8;
     code.v_against_u = flags & 64;
     require(code.has_predictions || !code.smooth_copies, "CODE: flag 3 without flag 1");
     require(code.has_predictions || !(flags & 32), "CODE: flag 5 without flag 1");
+    require(code.has_predictions || !code.leaves_out_transforms, "CODE: flag 10 without flag 1");
     require((flags & 32) || !code.v_against_u, "CODE: flag 6 without flag 5");
 
     for (int plane = 0; plane < header.channels; ++plane)
@@ -124,8 +126,9 @@ Code read_code(Bytes section, const Header& header) {
         const bool of_predictions = (i >= 1344 && i < 2688) || (i >= 3876 && i < 5064) ||
                                     (i >= 5181 && i < 5298) || i >= 5859;
         const bool of_bases = i >= 5891 && i < 5902;
+        const bool of_no_transform = i >= 5983;
         if (!has_differences || (of_predictions && !code.has_predictions) ||
-            (of_bases && !code.base_margin)) {
+            (of_bases && !code.base_margin) || (of_no_transform && !code.leaves_out_transforms)) {
             parameters.push_back(value);
             continue;
         }
@@ -185,8 +188,14 @@ Code read_code(Bytes section, const Header& header) {
     code.base_displacement = table(8, 9);
     for (Table& t : code.mode)
         t = table(5, 6);
-    for (Table& t : code.transform)
-        t = table(3, 4);
+    // The chains of transform symbols come from two arrays.
+    const std::span<const int> no_transform = rest.subspan(size_t{3} * 12);
+    for (size_t i = 0; i < 12; ++i) {
+        std::vector<int> chain(&rest[3 * i], &rest[3 * i] + 3);
+        if (code.leaves_out_transforms)
+            chain.insert(chain.end(), &no_transform[3 * i], &no_transform[3 * i] + 3);
+        code.transform[i] = make_table(chain, static_cast<int>(chain.size()) + 1);
+    }
     return code;
 }
 

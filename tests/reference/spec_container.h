@@ -33,6 +33,7 @@ struct Header {
     bool has_predictions() const { return required_features >> 4 & 1; }
     bool is_aligned() const { return required_features >> 6 & 1; }
     bool has_stored_tiles() const { return required_features >> 5 & 1; }
+    bool leaves_out_transforms() const { return required_features >> 8 & 1; }
     bool has_layers() const { return required_features >> 7 & 1; }
 };
 

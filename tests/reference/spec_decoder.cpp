@@ -104,6 +104,8 @@ Decoded decode_file(Bytes file) {
     const std::vector<Level> levels = read_levels(sections, header);
     const Code code = read_code(sections.at("CODE").bytes, header);
     require(code.has_predictions == header.has_predictions(), "CODE: flag 1 and feature 4");
+    require(code.leaves_out_transforms == header.leaves_out_transforms(),
+            "CODE: flag 10 and feature 8");
     const std::vector<Bytes> tiles = read_tiles(file, header, sections, levels);
 
     std::copy(header.size.begin(), header.size.end(), result.size);

@@ -215,11 +215,20 @@ void TileDecoder::reconstruct(const Block& block) {
             own = make_scale(step, N, z + k % 2, F, code_.dependent);
             own.x -= (k + 1) / 2;
         }
+        int plain_z = 0; // of axes without a transform, with sides 2^j
+        for (size_t axis = 0; axis < 4; ++axis)
+            if (block.transforms[axis] == AxisTransform::none) {
+                const int j = std::countr_zero(static_cast<unsigned>(block.size[axis]));
+                plain_z += j % 2;
+                for (Scale& own : scale)
+                    own.x += j / 2;
+            }
         for (size_t i = 0; i < block.levels[p].size(); ++i) {
             const int64_t level = block.levels[p][i];
-            int z = 0;
+            int z = plain_z;
             for (size_t axis = 0; axis < 4; ++axis)
-                z += block.sines[axis] || scan[i].k[axis] > 0;
+                z += block.transforms[axis] == AxisTransform::sines ||
+                     (block.transforms[axis] == AxisTransform::cosines && scan[i].k[axis] > 0);
             const int offset = code_.offset[p == 0 ? 0 : 1][std::abs(level) == 1 ? 0 : 1];
             values[p][scan[i].where] = dequantise(level, scale[static_cast<size_t>(z)], offset);
         }
@@ -235,7 +244,7 @@ void TileDecoder::reconstruct(const Block& block) {
         }
     }
     for (size_t p = 0; p < planes; ++p) // 4.3
-        inverse_transform(values[p], block.size, block.sines, F - G());
+        inverse_transform(values[p], block.size, block.transforms, F - G());
 
     if (is_in_picture(block) && block.begin == Vector4{}) { // the first block of a picture
         const Vector4& picture = block.of_base ? base_size_ : size_;

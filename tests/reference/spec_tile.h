@@ -34,13 +34,13 @@ struct Block {
     Vector4 size;
     bool of_base = false;
     bool copies_base = false;
-    int mode = 0;                             // of a picture's block
-    std::array<bool, 4> sines{};              // whether each axis has sines
-    int rotation = -1;                        // -1: not rotated
-    std::optional<std::array<int, 2>> shares; // a, b; set if predicted from luma
-    std::optional<size_t> copies_along;       // 0 s, 1 t
-    std::array<int, 2> displacement{};        // du, dv of a copy
-    int depth = -1;                           // 4.6; -1: not known yet
+    int mode = 0;                              // of a picture's block
+    std::array<AxisTransform, 4> transforms{}; // of each axis
+    int rotation = -1;                         // -1: not rotated
+    std::optional<std::array<int, 2>> shares;  // a, b; set if predicted from luma
+    std::optional<size_t> copies_along;        // 0 s, 1 t
+    std::array<int, 2> displacement{};         // du, dv of a copy
+    int depth = -1;                            // 4.6; -1: not known yet
     bool copies() const { return copies_along.has_value() || copies_base; }
     // The levels of each plane in scan order, as many as the coded length.
     std::array<std::vector<int32_t>, 4> levels;

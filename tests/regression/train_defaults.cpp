@@ -39,7 +39,8 @@ constexpr ParameterArray arrays[] = {
     {"from_base[2][1]", base_displacement_offset, 1},
     {"base_displacement[8]", mode_offset, displacement_tokens - 1},
     {"mode[9][5]", transform_offset, mode_symbols - 1},
-    {"transform[12][3]", parameter_count, transform_kinds - 1}};
+    {"transform[12][3]", no_transform_offset, usual_transform_chain},
+    {"no_transform[12][3]", parameter_count, no_transform_chain}};
 
 // Counts the symbols of one file.
 Result<Statistics> statistics_of(const char* path) {
@@ -105,7 +106,7 @@ int main(int argc, char** argv) {
     }
     std::printf(
         "// The default parameters for %s: normative, FORMAT.md 3.5.\n//\n"
-        "// 5,983 numbers 0..63, separated by commas, in the order of FORMAT.md 3.5. A comment "
+        "// 6,019 numbers 0..63, separated by commas, in the order of FORMAT.md 3.5. A comment "
         "names each array;\n// its last index runs fastest, and a line holds the numbers of "
         "one last index.\n// CRC32C of the numbers as bytes: 0x%08X.\n",
         for_pictures ? "pictures" : "textures of many views",

@@ -106,6 +106,7 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     parameters.parameters = random_parameters(random);
     parameters.colour_rotation = channels >= 3;
     parameters.prediction = copies > 0;
+    parameters.leaves_out_transforms = copies > 0 && seed % 3 == 1;
     parameters.smooth_copies = copies > 0 && seed % 4 >= 2;
     if (copies > 0 && seed % 8 < 4)
         parameters.base = {.on = true,
@@ -145,7 +146,7 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     contents.colour = channels >= 3 ? ColourTransform::ycocg_r : ColourTransform::none;
     for (std::size_t i = 0; i < channels; ++i)
         contents.background[i] = static_cast<std::uint16_t>(random.range(0, 255));
-    contents.required_features = (parameters.prediction ? feature_prediction : 0) | feature_stored;
+    contents.required_features = features_of(parameters) | feature_stored;
     contents.codec_parameters = section;
     contents.tile = [&](std::uint64_t tile) { return std::span<const std::byte>(tiles[tile]); };
     DecodeCase made;

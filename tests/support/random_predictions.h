@@ -16,8 +16,10 @@ namespace tessera::test {
 // format allows.
 class RandomPredictions {
 public:
-    RandomPredictions(Random& random, double chance, const BasePictures& base = {})
-        : random_(random), chance_(chance), base_(base) {}
+    // kinds: of transforms.
+    RandomPredictions(Random& random, double chance, const BasePictures& base = {},
+                      int kinds = usual_transform_kinds)
+        : random_(random), chance_(chance), base_(base), kinds_(kinds) {}
 
     // `base` becomes the tile's base picture and is a tile itself. If it is empty, the tile has
     // none.
@@ -58,8 +60,7 @@ private:
             BlockPrediction& prediction = picture.predictions[i];
             if (picture.planes[i * planes].coded_length > 0 &&
                 transform_context(prediction.mode, picture.blocks[i].shape) >= 0)
-                prediction.transform =
-                    static_cast<BlockTransform>(random_.range(0, transform_kinds - 1));
+                prediction.transform = static_cast<BlockTransform>(random_.range(0, kinds_ - 1));
         }
     }
     BlockPrediction prediction_from_base() {
@@ -94,6 +95,7 @@ private:
     Random& random_;
     const double chance_;
     const BasePictures base_;
+    const int kinds_;
     int last_base_ = 0;
     BorderMode last_mode_ = mode_mean;
     Displacement last_;
@@ -111,7 +113,10 @@ inline TileLevels random_predicted_tile(Random& random, const TileCoding& coding
         base = random_tile.make(*picture);
     if (tile.blocks.size() + base.blocks.size() > max_leaves)
         base.clear();
-    RandomPredictions(random, chance, pictures).add_to(tile, base);
+    RandomPredictions(random, chance, pictures,
+                      coding.parameters.leaves_out_transforms ? transform_kinds
+                                                              : usual_transform_kinds)
+        .add_to(tile, base);
     return tile;
 }
 

@@ -30,8 +30,8 @@ inline std::vector<std::byte> empty_file(const TextureDesc& desc, const Extent4&
     contents.colour = desc.channels >= 3 ? ColourTransform::ycocg_r : ColourTransform::none;
     for (std::size_t i = 0; i < desc.channels; ++i)
         contents.background[i] = static_cast<std::uint16_t>(9 + 50 * i);
-    contents.required_features = (corrections ? feature_corrections : 0) |
-                                 (parameters.prediction ? feature_prediction : 0) | feature_stored;
+    contents.required_features =
+        (corrections ? feature_corrections : 0) | features_of(parameters) | feature_stored;
     contents.codec_parameters = section;
     contents.tile = [](std::uint64_t) { return std::span<const std::byte>(); };
     std::vector<std::byte> file;

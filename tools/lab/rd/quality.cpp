@@ -7,6 +7,7 @@
 #include "tools/view/camera.h"
 #include "tools/view/view_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -40,8 +41,9 @@ struct QualitySums {
     }
 };
 
+// The channels that PSNR is over: not the alpha of four. Two are taken as normals.
 unsigned colours(const TextureDesc& desc) {
-    return desc.channels >= 3 ? 3 : 1;
+    return std::min<unsigned>(desc.channels, 3);
 }
 
 // The integer by which samples are compared; see metrics.h.
