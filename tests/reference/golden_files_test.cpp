@@ -128,7 +128,7 @@ TEST(GoldenFiles, DecodeToTheFrozenTexels) {
         EXPECT_EQ(specification.metadata.count("Title"), 1u) << name;
         ++count;
     }
-    EXPECT_EQ(count, 17);
+    EXPECT_EQ(count, 18);
 }
 
 } // namespace
