@@ -69,9 +69,9 @@ TEST(Tools, EachChangesTheFileAndItStillDecodes) {
             const Encoded encoded = encode(texture, options);
             // These tools may have no effect on this texture. prediction_test.cpp,
             // tree_edits_test.cpp and tile_filter_test.cpp test them.
-            constexpr std::array may_not_matter = {"-smooth", "-base",    "-refine",
-                                                   "-filter", "-borders", "-picture-splits",
-                                                   "-sines",  "-planar",  "-directions"};
+            constexpr std::array may_not_matter = {
+                "-smooth",         "-base",  "-refine", "-filter",     "-borders",
+                "-picture-splits", "-sines", "-planar", "-directions", "-no-transform"};
             if (std::ranges::find(may_not_matter, name) == may_not_matter.end()) {
                 EXPECT_FALSE(data_of(encoded.file) == data_of(full.file)) << name;
             }
@@ -117,7 +117,7 @@ TEST(Tools, OfPicturesChangeThem) {
     };
     const Bytes full = data("");
     for (const std::string name : {"borders", "planar", "directions", "sines", "picture-splits",
-                                   "chroma-from-luma", "rotation"})
+                                   "no-transform", "chroma-from-luma", "rotation"})
         EXPECT_FALSE(data("-" + name) == full) << name;
 }
 

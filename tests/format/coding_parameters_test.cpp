@@ -39,6 +39,7 @@ CodingParameters random_coding_parameters(Random& random, double changed) {
     coding.colour_rotation = random.chance(0.5);
     coding.prediction = random.chance(0.5);
     coding.smooth_copies = coding.prediction && random.chance(0.5);
+    coding.leaves_out_transforms = coding.prediction && random.chance(0.5);
     if (coding.prediction && random.chance(0.5))
         coding.base = {.on = true,
                        .margin = static_cast<std::uint8_t>(random.range(0, max_base_margin)),
@@ -54,7 +55,8 @@ CodingParameters random_coding_parameters(Random& random, double changed) {
     coding.correction_error = static_cast<std::uint16_t>(random.range(0, 65535));
     for (int i = 0; i < parameter_count; ++i)
         if (random.chance(changed) && (coding.prediction || !is_of_copies(i)) &&
-            (coding.base.on || !is_of_bases(i)))
+            (coding.base.on || !is_of_bases(i)) &&
+            (coding.leaves_out_transforms || i < no_transform_offset))
             coding.parameters[static_cast<std::size_t>(i)] =
                 static_cast<std::uint8_t>(random.range(0, 63));
     return coding;
@@ -94,6 +96,7 @@ TEST(CodingParameters, RoundTrip) {
         EXPECT_EQ(got->colour_rotation, want.colour_rotation);
         EXPECT_EQ(got->prediction, want.prediction);
         EXPECT_EQ(got->smooth_copies, want.smooth_copies);
+        EXPECT_EQ(got->leaves_out_transforms, want.leaves_out_transforms);
         EXPECT_EQ(got->base, want.base);
         EXPECT_EQ(got->dependent, want.dependent);
         EXPECT_EQ(got->filter, want.filter);
