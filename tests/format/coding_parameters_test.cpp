@@ -159,9 +159,10 @@ TEST(CodingParameters, ParametersOfCopiesAreOmittedWithoutPredictions) {
             parameter = static_cast<std::uint8_t>((parameter + 1) % 64);
             ++left_out;
         }
-    EXPECT_EQ(left_out, 1344 + 1188 + 117 + 12 + 4 + 16 + 1 + 2 + 8 + 45 + 36); // FORMAT.md 3.5
+    EXPECT_EQ(left_out,
+              1344 + 1188 + 117 + 12 + 4 + 16 + 1 + 2 + 8 + 45 + 36 + 36); // FORMAT.md 3.5
     EXPECT_EQ(write_all(coding).size(), write_all({}).size());
-    coding.prediction = coding.base.on = true;
+    coding.prediction = coding.base.on = coding.leaves_out_transforms = true;
     const Result<CodingParameters> got = read_all(write_all(coding));
     ASSERT_TRUE(got) << got.status().message();
     EXPECT_EQ(got->parameters, coding.parameters);
