@@ -1,7 +1,7 @@
 #include "corpus/layers/gathered_light.h"
 
 #include "corpus/layers/light_filter.h"
-#include "corpus/layers/texel_paths.h"
+#include "corpus/layers/path_halves.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,18 +71,13 @@ private:
         }
         const glm::dvec3 middle(normals_[at]);
         ArrivingLight<glm::dvec3> sum;
-        for (std::size_t half = 0; half < 2; ++half) {
-            const glm::dvec3 before = sum.diffuse;
-            for (unsigned i = 0; i < paths / 2; ++i) {
-                PathRandom random = randoms[static_cast<unsigned>(half) * (paths / 2) + i];
-                ModelSurfacePlace place = places_.place(u, v, open_.offset(u, v, random.next2()));
-                place.point.normal = place.frame.ez; // the same for all bumps
-                const Tracer::Incoming incoming =
-                    tracer_.incoming_of_model(place.point, options_.toward_emitters, random);
-                sum.add(incoming.direction, incoming.light / incoming.density, middle);
-            }
-            noisy.halves[half] += glm::vec3(sum.diffuse - before);
-        }
+        const auto incoming = [&](PathRandom& random) {
+            const LitPoint point = open_.smooth_place(places_, u, v, random.next2()).point;
+            return tracer_.incoming_of_model(point, options_.toward_emitters, random);
+        };
+        const auto halves = add_halves(randoms, paths, middle, incoming, sum);
+        for (std::size_t half = 0; half < 2; ++half)
+            noisy.halves[half] += glm::vec3(halves[half]);
         noisy.paths += paths / 2;
         light_.light[at].add(ArrivingLight<glm::vec3>(sum));
     }

@@ -26,9 +26,7 @@ glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& 
         const Texels2& texel =
             texels[std::min(static_cast<std::size_t>(which * static_cast<double>(texels.size())),
                             texels.size() - 1)];
-        ModelSurfacePlace at =
-            places.place(texel[0], texel[1], open.offset(texel[0], texel[1], random.next2()));
-        at.point.normal = at.frame.ez;
+        ModelSurfacePlace at = open.smooth_place(places, texel[0], texel[1], random.next2());
         const glm::dvec3 n = at.frame.ez;
         glm::dvec3 view = octahedral_direction(AngularMap::octahedral_mirrored, at.frame, s, t);
         view -= 2.0 * std::min(glm::dot(view, n), 0.0) * n;

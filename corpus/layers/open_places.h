@@ -18,6 +18,13 @@ public:
     // A place of the texel, outside bodies if there is one, as an offset from its centre in texels.
     // `random` is in 0..1.
     glm::dvec2 offset(std::uint32_t u, std::uint32_t v, const glm::dvec2& random) const;
+    // That place, with the normal of the mesh instead of a bumped one.
+    ModelSurfacePlace smooth_place(const ModelPlaces& places, std::uint32_t u, std::uint32_t v,
+                                   const glm::dvec2& random) const {
+        ModelSurfacePlace place = places.place(u, v, offset(u, v, random));
+        place.point.normal = place.frame.ez;
+        return place;
+    }
 
 private:
     static constexpr std::uint32_t side = 4; // parts along a side of a texel

@@ -1,6 +1,6 @@
 #include "corpus/layers/place_light.h"
 
-#include "corpus/layers/texel_paths.h"
+#include "corpus/layers/path_halves.h"
 
 #include <cmath>
 #include <glm/common.hpp>
@@ -66,16 +66,12 @@ ArrivingLight<glm::dvec3> from_emitters(const Tracer& tracer, const PlaceLightOp
     for (unsigned round = 0, more = least;; ++round, more = rays) {
         const std::uint64_t sequence = mix_bits(mix_bits(options.seed + emitter_paths) + round);
         const TexelPaths randoms(sequence, more, u, v);
-        for (std::size_t half = 0; half < 2; ++half) {
-            const glm::dvec3 before = sum.diffuse;
-            for (unsigned i = 0; i < more / 2; ++i) {
-                PathRandom random = randoms[static_cast<unsigned>(half) * (more / 2) + i];
-                const Tracer::Incoming incoming =
-                    tracer.incoming_of_emitters(point_at(random), toward_emitters, random);
-                sum.add(incoming.direction, incoming.light / incoming.density, normal);
-            }
-            halves[half] += sum.diffuse - before;
-        }
+        const auto incoming = [&](PathRandom& random) {
+            return tracer.incoming_of_emitters(point_at(random), toward_emitters, random);
+        };
+        const auto added = add_halves(randoms, more, normal, incoming, sum);
+        for (std::size_t half = 0; half < 2; ++half)
+            halves[half] += added[half];
         rays += more;
         const double error = shown_mean(colour * (other + halves[0] * (2.0 / rays))) -
                              shown_mean(colour * (other + halves[1] * (2.0 / rays)));
@@ -139,9 +135,7 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer, const Dis
     const glm::dvec3 middle = centre.frame.ez;
     ArrivingLight<glm::dvec3> sum;
     const auto point_at = [&](PathRandom& random) {
-        ModelSurfacePlace place = places.place(u, v, open_.offset(u, v, random.next2()));
-        place.point.normal = place.frame.ez; // the same for all bumps
-        return place.point;
+        return open_.smooth_place(places, u, v, random.next2()).point;
     };
     const std::uint64_t shadows = mix_bits(options.seed + shadow_paths);
     std::vector<double> seen(lights.count(), 0.0);

@@ -16,9 +16,9 @@ constexpr std::uint64_t most_mesh_bytes = std::uint64_t{1} << 33;
 
 using Corners = std::array<glm::dvec3, 3>;
 
-// The triangles without their uv. Vertices of no triangle are left out: they may be anywhere, and
-// positions are rounded over the box around all vertices.
-// In the units and at the place of the model's file.
+// The triangles without their uv, in the units and at the place of the model's file. Vertices of no
+// triangle are left out: they may be anywhere, and positions are rounded over the box around all
+// vertices.
 SurfaceMesh mesh_of(const Model& model) {
     SurfaceMesh mesh;
     constexpr std::uint32_t unused = UINT32_MAX;

@@ -126,7 +126,7 @@ const int tsr_t_base_displacement = tsr_from_base_end,
 const int tsr_mode_contexts = 9;
 const int tsr_t_mode = tsr_base_displacement_end,
     tsr_mode_end = tsr_t_mode + tsr_mode_contexts * tsr_symbol_words;
-// Transforms of blocks of pictures, two words each, by context.
+// Transforms of blocks of pictures, three words each, by context.
 const int tsr_transform_contexts = 12;
 const int tsr_t_transform = tsr_mode_end,
     tsr_transform_end = tsr_t_transform + tsr_transform_contexts * tsr_symbol7_words;
