@@ -16,6 +16,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,12 @@ enum class DecodeStage {
 // Called before (`begins`) and after each stage of a decode.
 using StageHook = std::function<void(DecodeStage stage, bool begins)>;
 
+// One of several textures that one program samples, such as the layers of a file.
+struct SampledTextureRequest {
+    const ContainerReader* reader = nullptr;
+    SampledTextureOptions options; // `budget` is not used
+};
+
 // Every call and the destructor need a current OpenGL 4.5 context. Not thread-safe.
 class SampledTexture {
 public:
@@ -86,6 +93,12 @@ public:
     // message says what suffices), invalid_file, io, runtime.
     static Result<SampledTexture> create(const ContainerReader& reader,
                                          const SampledTextureOptions& options);
+    // Textures that one program samples (TESSERA_TEXTURES), in the order in which it numbers them.
+    // Their options have the same residency and hardware_filter. The budget is for all of them: plain
+    // textures take what they need, and tile caches get shares that grow with decoded_bytes(). Errors: bad_argument (the options
+    // differ, or there are no files or more than 64), and those above.
+    static Result<std::vector<SampledTexture>> create(std::span<const SampledTextureRequest> files,
+                                                      std::uint64_t budget);
     // The same plain texture as on_load, but of texels from `source`, for comparisons with textures
     // that are not compressed. `source` has the reader's size, type and channels; it is read in
     // boxes of any order and not kept. No budget applies. Errors: difference (the source has
@@ -99,7 +112,7 @@ public:
     // The macros that shaders define before they include sample.glsl.
     std::vector<ShaderDefine> defines() const;
     // Binds the buffers and the texture of sample.glsl at its default bindings. `number` is that of
-    // the texture where TESSERA_TEXTURES says that there are several, which must be on load.
+    // the texture where TESSERA_TEXTURES says that there are several.
     void bind(unsigned number = 0) const;
 
     // Call it once per frame, after drawing. It has no effect unless the texture is resident on
@@ -118,7 +131,8 @@ public:
     // create(), where it decodes every tile, and updates that wait look for them.
     std::uint64_t damaged_tiles() const;
     std::uint64_t cache_slots() const; // on feedback: tiles that fit the cache; else 0
-    // On feedback: a budget in bytes whose cache has a slot for each of `tiles` tiles; else 0.
+    // On feedback: a budget in bytes whose cache has a slot for each of `tiles` tiles; else 0. It is
+    // the budget of all textures that were created together.
     std::uint64_t budget_for(std::uint64_t tiles) const;
     void set_stage_hook(StageHook hook);
 
@@ -127,6 +141,10 @@ private:
     explicit SampledTexture(std::unique_ptr<State> state);
     static Result<std::unique_ptr<State>> prepare(const ContainerReader& reader,
                                                   const SampledTextureOptions& options);
+    static Result<std::vector<SampledTexture>>
+    create_plain(std::span<const SampledTextureRequest> files, std::uint64_t budget);
+    static Result<std::vector<SampledTexture>>
+    create_cached(std::span<const SampledTextureRequest> files, std::uint64_t budget);
     std::unique_ptr<State> state_;
 };
 

@@ -30,7 +30,7 @@ struct ViewLayer {
     LayerRole role = LayerRole::diffuse;
     float scale = 1; // the light, or other value, of a sample of 1
     Transfer transfer = Transfer::unspecified;
-    const SampledTexture* texture = nullptr; // resident on load
+    const SampledTexture* texture = nullptr;
 };
 
 // Every call and the destructor need a current OpenGL 4.5 context.
@@ -44,8 +44,8 @@ public:
     // Errors: bad_argument (the mesh breaks a rule of format/surface_mesh.h), runtime.
     static Result<GlViewRenderer> create(const SampledTexture& texture, const SurfaceMesh& mesh);
     // The same with layers, as display values. The diffuse layer comes first, no role occurs twice,
-    // and the textures fit their roles (check_layer()). All have the same `hardware_filter`. Errors:
-    // those above; unsupported (the device has too few buffers for them).
+    // and the textures fit their roles (check_layer()). They were created together, if there are
+    // several, and must outlive the renderer. Errors: those above; unsupported (the device has too few buffers for them).
     static Result<GlViewRenderer> create(std::span<const ViewLayer> layers,
                                          std::span<const DistantLight> lights,
                                          const SurfaceMesh& mesh);

@@ -74,11 +74,11 @@ Result<MeshLook> layered_look(std::span<const ViewLayer> layers,
     const auto block = block_of(layers, lights);
     const auto bytes = std::as_bytes(std::span(block));
     TESSERA_TRY(check_limit(GL_MAX_UNIFORM_BLOCK_SIZE, "GL_MAX_UNIFORM_BLOCK_SIZE", bytes.size()));
+    const std::size_t buffers = layers.size() + (layers[0].texture->cache_slots() > 0 ? 1 : 0);
     TESSERA_TRY(check_limit(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS,
-                            "GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS",
-                            sampler_binding + layers.size()));
+                            "GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS", sampler_binding + buffers));
     TESSERA_TRY(check_limit(GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS,
-                            "GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS", layers.size()));
+                            "GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS", buffers));
     MeshLook look;
     const std::string_view name = "layered_mesh.frag.glsl";
     const std::vector<ShaderDefine> defines = defines_of(layers, lights.size());

@@ -9,12 +9,14 @@ constexpr std::uint32_t send_timeout = 10000, receive_timeout = 60000; // millis
 
 } // namespace
 
-Result<GlMarks> GlMarks::create(std::uint64_t tiles) {
+Result<GlMarks> GlMarks::create(std::shared_ptr<GlMarksBuffer> buffer, std::uint64_t first,
+                                std::uint64_t tiles) {
     GlMarks m;
-    TESSERA_TRY_ASSIGN(m.marks_, GlBuffer::create(tiles * 4, BufferUse::device, "marks"));
+    m.buffer_ = std::move(buffer);
+    m.begin_ = first * 4;
+    m.size_ = tiles * 4;
     for (InFlight& marks : m.in_flight_) {
-        TESSERA_TRY_ASSIGN(marks.copy,
-                           GlBuffer::create(tiles * 4, BufferUse::device, "marks copy"));
+        TESSERA_TRY_ASSIGN(marks.copy, GlBuffer::create(m.size_, BufferUse::device, "marks copy"));
     }
     m.newest_.resize(static_cast<std::size_t>(tiles));
     return m;
@@ -23,7 +25,11 @@ Result<GlMarks> GlMarks::create(std::uint64_t tiles) {
 Status GlMarks::clear() {
     for (InFlight& marks : in_flight_)
         marks.fence.reset();
-    return marks_.clear(0);
+    return clear_words();
+}
+
+Status GlMarks::clear_words() {
+    return buffer_->words.clear(0, begin_, size_);
 }
 
 Status GlMarks::send() {
@@ -33,9 +39,9 @@ Status GlMarks::send() {
         TESSERA_TRY(read(next));
     }
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glCopyNamedBufferSubData(marks_.id(), next.copy.id(), 0, 0,
-                             static_cast<GLsizeiptr>(marks_.bytes()));
-    TESSERA_TRY(marks_.clear(0));
+    glCopyNamedBufferSubData(buffer_->words.id(), next.copy.id(), static_cast<GLintptr>(begin_), 0,
+                             static_cast<GLsizeiptr>(size_));
+    TESSERA_TRY(clear_words());
     TESSERA_TRY_ASSIGN(auto fence, GlFence::insert());
     next.fence.emplace(std::move(fence));
     next_ = (next_ + 1) % most_frames;
@@ -70,13 +76,6 @@ std::optional<std::span<const std::uint32_t>> GlMarks::take_newest() {
     if (!std::exchange(is_new_, false))
         return std::nullopt;
     return newest_;
-}
-
-std::uint64_t GlMarks::bytes() const {
-    std::uint64_t sum = marks_.bytes();
-    for (const InFlight& marks : in_flight_)
-        sum += marks.copy.bytes();
-    return sum;
 }
 
 } // namespace tessera

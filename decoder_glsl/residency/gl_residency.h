@@ -2,9 +2,11 @@
 #pragma once
 
 #include "decoder_glsl/gl_sampled_texture.h"
+#include "decoder_glsl/residency/gl_marks.h"
 #include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "format/surface_mesh.h"
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <memory>
@@ -15,7 +17,7 @@ namespace tessera {
 
 // Bindings of shaders/sample.glsl. coarse.comp and mips.comp read the sampler's buffer as well.
 constexpr GLuint parameters_binding = 2; // uniform block
-constexpr GLuint sampler_binding = 4, marks_binding = 5, texels_unit = 0;
+constexpr GLuint sampler_binding = 4, texels_unit = 0;
 constexpr GLuint jobs_binding = 1; // of coarse.comp and mips.comp
 
 // Limits for batches that keep the decoder's buffers within `bytes` in all. `keeps_values`: half of
@@ -25,12 +27,33 @@ BatchLimits limits_within(std::uint64_t bytes, bool keeps_values);
 // "12.5 MiB".
 std::string mebibytes(std::uint64_t bytes);
 
+// What one of several textures has of the budget of all: what it needs in any case, and a share of
+// what is left.
+struct BudgetShare {
+    std::uint64_t fixed = 0, fixed_of_all = 0; // bytes
+    double share = 1;
+
+    std::uint64_t of(std::uint64_t budget) const {
+        const std::uint64_t rest = budget - std::min(budget, fixed_of_all);
+        return budget < fixed_of_all
+                   ? 0
+                   : fixed + static_cast<std::uint64_t>(static_cast<double>(rest) * share);
+    }
+    // The budget of all of which that many bytes, at least `fixed`, are the part.
+    std::uint64_t budget_for(std::uint64_t part) const {
+        // of() rounds down.
+        const double rest = part > fixed ? static_cast<double>(part - fixed) + 1 : 0;
+        return fixed_of_all + static_cast<std::uint64_t>(rest / share) + 1;
+    }
+};
+
 // A file and what every residency needs to decode and sample it.
 struct TextureFile {
     const ContainerReader& reader;
     DecodeTables tables;
     bool half;
-    std::uint64_t budget; // bytes
+    std::uint64_t budget; // bytes, of all textures that were created together
+    BudgetShare share;
     GlTileDecoder decoder;
     AtlasMips mips; // none without a mesh's atlas
 
@@ -69,7 +92,6 @@ private:
 class Resident {
 public:
     virtual ~Resident() = default;
-    // A tile cache has always the number 0.
     virtual void bind(GLuint number) const = 0;
     virtual std::uint64_t bytes() const = 0;
     virtual std::uint64_t damaged_tiles() const = 0;
@@ -84,9 +106,16 @@ Result<std::unique_ptr<Resident>> make_plain_texture(TextureFile& file, bool har
 // The texels of `source` in a plain texture.
 Result<std::unique_ptr<Resident>> make_uploaded_texture(const TextureFile& file,
                                                         TexelSource& source, bool hardware_filter);
-// A tile cache. `file` must outlive it.
+// Bytes of a tile cache that do not depend on the number of its slots, besides buffers for decoding,
+// and the least of those. `words` are those of sampler_words().
+std::uint64_t fixed_cache_bytes(const TextureFile& file, std::size_t words, bool coarse);
+std::uint64_t least_cache_work(const TextureFile& file);
+// A tile cache, whose marks begin at word `first_mark` of `marks`. `file` must outlive it.
 Result<std::unique_ptr<Resident>> make_cached_texture(TextureFile& file,
-                                                      const SampledTextureOptions& options);
+                                                      const SampledTextureOptions& options,
+                                                      std::vector<std::uint32_t> words,
+                                                      std::shared_ptr<GlMarksBuffer> marks,
+                                                      std::uint64_t first_mark);
 
 // Layout of a plain texture: angular images side by side, folded over layers. `size` is that of the
 // texture or, with mips beside it, AtlasMips::kept_size().

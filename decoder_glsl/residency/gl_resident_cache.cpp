@@ -4,7 +4,6 @@
 #include "decoder_glsl/cache/tile_cache.h"
 #include "decoder_glsl/gl/gl_error.h"
 #include "decoder_glsl/residency/gl_coarse_means.h"
-#include "decoder_glsl/residency/gl_marks.h"
 #include "decoder_glsl/residency/gl_mips.h"
 #include "decoder_glsl/residency/gl_residency.h"
 #include "decoder_glsl/shaders/shader_layout.h"
@@ -26,13 +25,14 @@ constexpr std::uint64_t least_work_plain = 2ull << 20, most_work = 96ull << 20;
 
 class CachedTexture final : public Resident {
 public:
-    CachedTexture(TextureFile& file, const SampledTextureOptions& options)
+    CachedTexture(TextureFile& file, const SampledTextureOptions& options,
+                  std::vector<std::uint32_t> words)
         : file_(file), grid_(file.reader.grid()), jobs_per_update_(options.jobs_per_update),
           filter_(options.hardware_filter), coarse_(options.coarse),
-          coarse_from_(options.coarse_from) {}
+          coarse_from_(options.coarse_from), words_(std::move(words)) {}
 
-    Status load() {
-        words_ = sampler_words(file_);
+    Status load(std::shared_ptr<GlMarksBuffer> marks, std::uint64_t first_mark) {
+        TESSERA_TRY_ASSIGN(marks_, GlMarks::create(std::move(marks), first_mark, grid_.tiles()));
         TESSERA_TRY(find_background());
         TESSERA_TRY(plan_memory());
         TESSERA_TRY(create_objects());
@@ -45,7 +45,7 @@ public:
 
     void bind(GLuint number) const override {
         bind_sampler(parameters_, texels_, number);
-        marks_.bind(marks_binding);
+        marks_.bind();
     }
     std::uint64_t bytes() const override {
         return texels_.bytes() + parameters_.bytes() + marks_.bytes() + mips_.bytes() +
@@ -56,7 +56,8 @@ public:
     // The inverse of plan_memory(), which may lose a line of slots to rounding.
     std::uint64_t budget_for(std::uint64_t tiles) const override {
         const std::uint64_t bytes = fixed_bytes_ + (tiles + slots_across(plan_.slot)) * slot_bytes_;
-        return std::max(std::min(bytes + bytes / 5, bytes + most_work), bytes + least_work()) +
+        return std::max(std::min(bytes + bytes / 5, bytes + most_work),
+                        bytes + least_cache_work(file_)) +
                4096;
     }
 
@@ -120,28 +121,22 @@ private:
         return {};
     }
 
-    std::uint64_t least_work() const {
-        return file_.tables.keeps_values() ? 2 * least_work_plain : least_work_plain;
-    }
-
     // Plans as many slots as the budget leaves after everything else, but no more than tiles to
     // decode.
     Status plan_memory() {
         const CacheSlot slot = cache_slot(grid_, file_.mips.count() > 0);
         slot_bytes_ =
             std::uint64_t{slot.width} * slot.height * texel_bytes(file_.format()) + job_bytes;
-        const std::uint64_t page_bytes = grid_.tiles() * 4;
-        const std::uint64_t coarse_bytes = coarse_ ? grid_.tiles() * tsr_coarse_words * 4 : 0;
-        work_bytes_ = std::clamp(file_.budget / 6, least_work(), most_work);
-        fixed_bytes_ = file_.decoder.bytes() + page_bytes + GlMarks::bytes_for(grid_.tiles()) +
-                       coarse_bytes + words_.size() * 4;
+        const std::uint64_t budget = file_.share.of(file_.budget);
+        work_bytes_ = std::clamp(budget / 6, least_cache_work(file_), most_work);
+        fixed_bytes_ = fixed_cache_bytes(file_, words_.size(), coarse_);
         const std::uint64_t fixed = fixed_bytes_ + work_bytes_;
-        if (file_.budget < fixed + slot_bytes_)
-            return {ErrorCode::unsupported, file_.reader.name() +
-                                                ": a tile cache of one tile takes " +
-                                                mebibytes(fixed + slot_bytes_) +
-                                                ", the budget is " + mebibytes(file_.budget)};
-        const std::uint64_t most = (file_.budget - fixed) / slot_bytes_;
+        if (budget < fixed + slot_bytes_)
+            return {ErrorCode::unsupported,
+                    file_.reader.name() + ": a tile cache of one tile takes " +
+                        mebibytes(file_.share.budget_for(fixed + slot_bytes_)) +
+                        ", the budget is " + mebibytes(file_.budget)};
+        const std::uint64_t most = (budget - fixed) / slot_bytes_;
         const auto plan =
             plan_cache(slot, std::min(most, std::max<std::uint64_t>(full_tiles_, 1)), most);
         if (!plan)
@@ -168,17 +163,17 @@ private:
         words_[tsr_p_stride_t] = slot.stride_t;
         words_[tsr_p_width] = shape.width;
         words_[tsr_p_height] = shape.height;
-        words_[tsr_p_has_coarse] = coarse_;
         pages_at_ = words_.size();
         words_[tsr_p_page_at] = static_cast<std::uint32_t>(pages_at_);
-        words_[tsr_p_coarse_at] = static_cast<std::uint32_t>(pages_at_ + grid_.tiles());
+        words_[tsr_p_marks_at] = marks_.first();
+        words_[tsr_p_coarse_at] =
+            coarse_ ? static_cast<std::uint32_t>(pages_at_ + grid_.tiles()) : 0;
         words_.insert(words_.end(), empty_pages_.begin(), empty_pages_.end());
         const std::uint64_t coarse_words = coarse_ ? grid_.tiles() * tsr_coarse_words : 0;
         TESSERA_TRY(grow_buffer(parameters_, (words_.size() + coarse_words) * 4, BufferUse::upload,
                                 "sampler parameters"));
         TESSERA_TRY(parameters_.clear(0));
         TESSERA_TRY(parameters_.upload(0, std::as_bytes(std::span(words_))));
-        TESSERA_TRY_ASSIGN(marks_, GlMarks::create(grid_.tiles()));
         if (file_.mips.count() > 0) {
             TESSERA_TRY_ASSIGN(mips_, GlMips::create(file_, true));
         }
@@ -383,10 +378,23 @@ private:
 
 } // namespace
 
+std::uint64_t fixed_cache_bytes(const TextureFile& file, std::size_t words, bool coarse) {
+    const std::uint64_t tiles = file.reader.grid().tiles();
+    const std::uint64_t coarse_bytes = coarse ? tiles * tsr_coarse_words * 4 : 0;
+    return file.decoder.bytes() + tiles * 4 + GlMarks::bytes_for(tiles) + coarse_bytes + words * 4;
+}
+
+std::uint64_t least_cache_work(const TextureFile& file) {
+    return file.tables.keeps_values() ? 2 * least_work_plain : least_work_plain;
+}
+
 Result<std::unique_ptr<Resident>> make_cached_texture(TextureFile& file,
-                                                      const SampledTextureOptions& options) {
-    auto texture = std::make_unique<CachedTexture>(file, options);
-    TESSERA_TRY(texture->load());
+                                                      const SampledTextureOptions& options,
+                                                      std::vector<std::uint32_t> words,
+                                                      std::shared_ptr<GlMarksBuffer> marks,
+                                                      std::uint64_t first_mark) {
+    auto texture = std::make_unique<CachedTexture>(file, options, std::move(words));
+    TESSERA_TRY(texture->load(std::move(marks), first_mark));
     return std::unique_ptr<Resident>(std::move(texture));
 }
 

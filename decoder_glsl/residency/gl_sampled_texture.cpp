@@ -86,9 +86,23 @@ void add_axis(const TileGrid& grid, std::size_t axis, unsigned mip, std::uint32_
     }
 }
 
+// The charts of the texels of a mip. Most atlases have few enough for 16 bits, which halves what is
+// often more memory than the texels take.
+void pack_charts(std::span<const std::uint32_t> charts, bool halves,
+                 std::vector<std::uint32_t>& words) {
+    if (!halves) {
+        words.insert(words.end(), charts.begin(), charts.end());
+        return;
+    }
+    for (std::size_t i = 0; i < charts.size(); i += 2)
+        words.push_back(charts[i] | (i + 1 < charts.size() ? charts[i + 1] << 16 : 0));
+}
+
 void add_mip_table(const AtlasMips& mips, std::vector<std::uint32_t>& words) {
     const std::size_t table = words.size();
     words.resize(table + (mips.count() + 1) * tsr_mip_words);
+    // Level 0 has all charts.
+    const bool halves = std::ranges::max(mips.charts(0)) <= 0xFFFF;
     std::array<std::uint32_t, 2> begin{0, 0}; // on the axes
     for (unsigned mip = 0; mip <= mips.count(); ++mip) {
         const auto size = mips.size(mip);
@@ -97,7 +111,8 @@ void add_mip_table(const AtlasMips& mips, std::vector<std::uint32_t>& words) {
         line[tsr_mip_v] = begin[1];
         line[tsr_mip_size] = size[0] | (size[1] << 16);
         line[tsr_mip_charts] = static_cast<std::uint32_t>(words.size());
-        words.insert(words.end(), mips.charts(mip).begin(), mips.charts(mip).end());
+        line[tsr_mip_halves] = halves;
+        pack_charts(mips.charts(mip), halves, words);
         for (std::size_t a = 0; a < 2; ++a)
             begin[a] += size[a];
     }
@@ -252,6 +267,7 @@ SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptio
                                                      .tables = std::move(tables),
                                                      .half = half,
                                                      .budget = options.budget,
+                                                     .share = {},
                                                      .decoder = std::move(decoder),
                                                      .mips = std::move(mips)},
                                             .resident = nullptr});
@@ -259,12 +275,81 @@ SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptio
 
 Result<SampledTexture> SampledTexture::create(const ContainerReader& reader,
                                               const SampledTextureOptions& options) {
-    TESSERA_TRY_ASSIGN(std::unique_ptr<State> state, prepare(reader, options));
-    TESSERA_TRY_ASSIGN(state->resident,
-                       options.residency == Residency::on_load
-                           ? make_plain_texture(state->file, options.hardware_filter)
-                           : make_cached_texture(state->file, options));
-    return SampledTexture(std::move(state));
+    const SampledTextureRequest file{&reader, options};
+    TESSERA_TRY_ASSIGN(auto textures, create(std::span(&file, 1), options.budget));
+    return std::move(textures.front());
+}
+
+Result<std::vector<SampledTexture>>
+SampledTexture::create(std::span<const SampledTextureRequest> files, std::uint64_t budget) {
+    const auto differs = [&](const SampledTextureRequest& file) {
+        return file.options.residency != files[0].options.residency ||
+               file.options.hardware_filter != files[0].options.hardware_filter;
+    };
+    constexpr std::size_t most_files = 64; // each has fewer than 2^24 tiles, so 32 bits number all
+    if (files.empty() || files.size() > most_files || std::ranges::any_of(files, differs))
+        return Status{ErrorCode::bad_argument,
+                      "textures of one program are 1 to 64, of the same residency and filter"};
+    return files[0].options.residency == Residency::on_load ? create_plain(files, budget)
+                                                            : create_cached(files, budget);
+}
+
+Result<std::vector<SampledTexture>>
+SampledTexture::create_plain(std::span<const SampledTextureRequest> files, std::uint64_t budget) {
+    std::vector<SampledTexture> textures;
+    for (const SampledTextureRequest& file : files) {
+        SampledTextureOptions options = file.options;
+        options.budget = budget;
+        TESSERA_TRY_ASSIGN(std::unique_ptr<State> state, prepare(*file.reader, options));
+        TESSERA_TRY_ASSIGN(state->resident,
+                           make_plain_texture(state->file, options.hardware_filter));
+        textures.push_back(SampledTexture(std::move(state)));
+        budget -= std::min(budget, textures.back().bytes());
+    }
+    return textures;
+}
+
+Result<std::vector<SampledTexture>>
+SampledTexture::create_cached(std::span<const SampledTextureRequest> files, std::uint64_t budget) {
+    constexpr std::uint64_t least_weight = 1ull
+                                           << 20; // so that the smallest texture has slots, too
+    struct Part {
+        std::unique_ptr<State> state;
+        std::vector<std::uint32_t> words;
+        double weight;
+    };
+    std::vector<Part> parts;
+    std::uint64_t tiles = 0, fixed_of_all = 0;
+    double weights = 0;
+    for (const SampledTextureRequest& file : files) {
+        TESSERA_TRY_ASSIGN(auto state, prepare(*file.reader, file.options));
+        auto words = sampler_words(state->file);
+        const auto weight = static_cast<double>(decoded_bytes(*file.reader) + least_weight);
+        state->file.budget = budget;
+        state->file.share.fixed =
+            fixed_cache_bytes(state->file, words.size(), file.options.coarse) +
+            least_cache_work(state->file);
+        fixed_of_all += state->file.share.fixed;
+        weights += weight;
+        tiles += file.reader->grid().tiles();
+        parts.push_back({std::move(state), std::move(words), weight});
+    }
+    TESSERA_TRY_ASSIGN(auto buffer, GlBuffer::create(tiles * 4, BufferUse::device, "marks"));
+    const auto marks = std::make_shared<GlMarksBuffer>(
+        std::move(buffer), sampler_binding + static_cast<GLuint>(files.size()));
+    std::vector<SampledTexture> textures;
+    std::uint64_t first_mark = 0;
+    for (Part& part : parts) {
+        State& state = *part.state;
+        state.file.share.fixed_of_all = fixed_of_all;
+        state.file.share.share = part.weight / weights;
+        TESSERA_TRY_ASSIGN(state.resident,
+                           make_cached_texture(state.file, state.options, std::move(part.words),
+                                               marks, first_mark));
+        first_mark += state.file.reader.grid().tiles();
+        textures.push_back(SampledTexture(std::move(part.state)));
+    }
+    return textures;
 }
 
 Result<SampledTexture> SampledTexture::from_texels(const ContainerReader& reader,
@@ -309,7 +394,8 @@ std::uint64_t SampledTexture::cache_slots() const {
     return state_->resident->slots();
 }
 std::uint64_t SampledTexture::budget_for(std::uint64_t tiles) const {
-    return state_->resident->budget_for(tiles);
+    const std::uint64_t part = state_->resident->budget_for(tiles);
+    return part == 0 ? 0 : state_->file.share.budget_for(part);
 }
 void SampledTexture::set_stage_hook(StageHook hook) {
     state_->file.decoder.set_stage_hook(std::move(hook));

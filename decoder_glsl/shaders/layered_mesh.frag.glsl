@@ -39,11 +39,15 @@ vec4 tsr_sample_layer(TsrAngularTaps taps, vec2 covered) {
     return tsr_sample_atlas(tsr_place, taps, tsr_texels_covered(covered));
 }
 
+// One texel of every angular image.
+TsrAngularTaps tsr_one_direction(ivec2 texel) {
+    return TsrAngularTaps(ivec4(texel.x), ivec4(texel.y), vec4(1.0, 0.0, 0.0, 0.0), true);
+}
+
 // The same for a layer of one direction, which it selects.
 vec4 tsr_sample_flat(int layer, vec2 covered) {
     tsr_select(layer);
-    return tsr_sample_layer(TsrAngularTaps(ivec4(0), ivec4(0), vec4(1.0, 0.0, 0.0, 0.0), true),
-                            covered);
+    return tsr_sample_layer(tsr_one_direction(ivec2(0)), covered);
 }
 
 // The linear value of a sample.
@@ -69,6 +73,21 @@ bool tsr_is_hole() {
 
 #ifdef TESSERA_LIGHTS
 #ifdef TESSERA_LAYER_VISIBILITY
+#ifdef TESSERA_RESIDENT_CACHE
+// What all lights at a place have in common: the share of the atlas that the pixel covers.
+struct TsrVisibility {
+    vec2 covered;
+};
+
+TsrVisibility tsr_visibility(vec2 covered) {
+    return TsrVisibility(covered);
+}
+
+// The stored visibility of a light, whose column and row in the angular images is given.
+float tsr_seen(TsrVisibility visibility, ivec2 light) {
+    return tsr_sample_layer(tsr_one_direction(light), visibility.covered).x;
+}
+#else
 // The angular images around the place in one mip, and their shares.
 struct TsrImages {
     ivec3 low_low;
@@ -85,12 +104,38 @@ TsrImages tsr_images(int mip, float share) {
         tsr_plain_pixel(ivec2(m.f.low.x, m.f.high.y)), tsr_plain_pixel(m.f.high), m.shares * share);
 }
 
-float tsr_seen(TsrImages images, ivec3 light) {
+float tsr_seen_in(TsrImages images, ivec3 light) {
     return dot(images.shares, vec4(tsr_texel(images.low_low + light).x,
                                    tsr_texel(images.high_low + light).x,
                                    tsr_texel(images.low_high + light).x,
                                    tsr_texel(images.high_high + light).x));
 }
+
+// What all lights at a place have in common: the images in one mip or two.
+struct TsrVisibility {
+    TsrImages finer;
+    TsrImages coarser;
+    int mips;
+};
+
+TsrVisibility tsr_visibility(vec2 covered) {
+    float mip = tsr_mip_for(tsr_texels_covered(covered));
+    float second = mip - float(int(mip)); // share of the next mip
+    TsrImages finer = tsr_images(int(mip), 1.0 - second);
+    TsrImages coarser = finer;
+    for (int i = second > 0.0 ? 0 : 1; i < 1; ++i)
+        coarser = tsr_images(int(mip) + 1, second);
+    return TsrVisibility(finer, coarser, second > 0.0 ? 2 : 1);
+}
+
+float tsr_seen(TsrVisibility visibility, ivec2 light) {
+    ivec3 texel = ivec3(light, 0);
+    float seen = tsr_seen_in(visibility.finer, texel);
+    for (int i = 1; i < visibility.mips; ++i)
+        seen += tsr_seen_in(visibility.coarser, texel);
+    return seen;
+}
+#endif
 #endif
 
 // Dimmer lights give no highlight. Where their share decides how much of the environment is seen,
@@ -108,12 +153,7 @@ TsrLightSum tsr_light_of_lights(TsrReflectance reflectance, vec2 covered) {
 #ifdef TESSERA_LAYER_VISIBILITY
     bool blocked = TSR_IF(TESSERA_LAYER_VISIBILITY);
     tsr_select(blocked ? TESSERA_LAYER_VISIBILITY : 0);
-    float mip = tsr_mip_for(tsr_texels_covered(covered));
-    float second = mip - float(int(mip)); // share of the next mip
-    TsrImages finer = tsr_images(int(mip), 1.0 - second);
-    TsrImages coarser = finer;
-    for (int i = second > 0.0 ? 0 : 1; i < 1; ++i)
-        coarser = tsr_images(int(mip) + 1, second);
+    TsrVisibility visibility = tsr_visibility(covered);
     int columns = max(tsr_four(tsr_p_size).z, 1);
 #endif
     TsrLightSum sum = TsrLightSum(vec3(0.0), vec3(0.0), vec3(0.0));
@@ -124,12 +164,11 @@ TsrLightSum tsr_light_of_lights(TsrReflectance reflectance, vec2 covered) {
                                   TsrLight(direction.xyz, direction.w, irradiance.xyz));
         float share = 1.0;
 #ifdef TESSERA_LAYER_VISIBILITY
-        ivec3 column = ivec3(j % columns, j / columns, 0);
         float seen = 0.0;
         // Most lights give no highlight here.
         bool skipped = !blocked || max(light.x, max(light.y, light.z)) < tsr_least_highlight();
-        for (int i = skipped ? 2 : 0; i < (second > 0.0 ? 2 : 1); ++i)
-            seen += i == 0 ? tsr_seen(finer, column) : tsr_seen(coarser, column);
+        for (int i = skipped ? 1 : 0; i < 1; ++i)
+            seen = tsr_seen(visibility, ivec2(j % columns, j / columns));
         if (blocked)
             share = min(seen / irradiance.w, 1.0);
 #endif

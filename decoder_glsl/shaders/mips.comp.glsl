@@ -89,8 +89,10 @@ int tsr_mip_word(int mip, int field) {
     return int(tsr_sampler[int(tsr_sampler[tsr_p_mip_at]) + mip * tsr_mip_words + field]);
 }
 uint tsr_chart(int mip, int u, int v) {
-    return tsr_sampler[tsr_mip_word(mip, tsr_mip_charts) +
-                       v * (tsr_mip_word(mip, tsr_mip_size) & 0xFFFF) + u];
+    int at = v * (tsr_mip_word(mip, tsr_mip_size) & 0xFFFF) + u;
+    int halves = tsr_mip_word(mip, tsr_mip_halves);
+    uint word = tsr_sampler[tsr_mip_word(mip, tsr_mip_charts) + (at >> halves)];
+    return halves == 0 ? word : (word >> ((at & 1) * 16)) & 0xFFFFu;
 }
 
 // Two 16-bit numbers of a job.

@@ -20,14 +20,15 @@
 // Bindings, and the macros that move them when they are defined before the include. In Vulkan
 // buffers are in set 0, textures in set 2 and uniform blocks in set 3.
 //   TESSERA_BINDING_SAMPLER     4  storage buffer: sizes, page table, coarse texels
-//   TESSERA_BINDING_MARKS       5  storage buffer, written, one word per tile: tile cache only
+//   TESSERA_BINDING_MARKS       5  storage buffer, written, one word per tile: tile cache only.
+//                                  Several textures share it. Its default is then 4 + N.
 //   TESSERA_BINDING_PARAMETERS  2  uniform block: the first 128 bytes of SAMPLER
 //   TESSERA_UNIT_TEXELS         0  sampler2DArray
 //   TESSERA_UNIT_SAMPLER       12  the linear sampler, where it is apart from the texture
 // The host class SampledTexture (gl_sampled_texture.h) fills and binds them.
 //
-// With TESSERA_TEXTURES defined as N, there are N plain textures. Their bindings count up from those
-// above, and tsr_select(i) chooses the one that is sampled, which must be the same in all
+// With TESSERA_TEXTURES defined as N, there are N textures, all plain or all with tile caches. Their
+// bindings count up from those above, and tsr_select(i) chooses the one that is sampled, which must be the same in all
 // invocations. OpenGL ES, HLSL, MSL and WGSL share one storage buffer and one uniform block between
 // the textures: see texture_list.glsl.
 //
@@ -38,7 +39,9 @@
 #ifndef TESSERA_BINDING_SAMPLER
 #define TESSERA_BINDING_SAMPLER 4
 #endif
-#ifndef TESSERA_BINDING_MARKS
+#if !defined(TESSERA_BINDING_MARKS) && defined(TESSERA_TEXTURES)
+#define TESSERA_BINDING_MARKS (TESSERA_BINDING_SAMPLER + TESSERA_TEXTURES)
+#elif !defined(TESSERA_BINDING_MARKS)
 #define TESSERA_BINDING_MARKS 5
 #endif
 #ifndef TESSERA_BINDING_PARAMETERS
@@ -226,7 +229,10 @@ uint tsr_mip_word(int mip, int field) {
 }
 uint tsr_chart(int mip, ivec2 texel) {
     uint width = tsr_mip_word(mip, tsr_mip_size) & 0xFFFFu;
-    return tsr_word(int(tsr_mip_word(mip, tsr_mip_charts) + uint(texel.y) * width + uint(texel.x)));
+    uint at = uint(texel.y) * width + uint(texel.x);
+    uint halves = tsr_mip_word(mip, tsr_mip_halves);
+    uint word = tsr_word(int(tsr_mip_word(mip, tsr_mip_charts) + (at >> halves)));
+    return halves == 0u ? word : (word >> ((at & 1u) * 16u)) & 0xFFFFu;
 }
 
 // The texels around a position in a mip, and their shares. Only texels of the position's own chart

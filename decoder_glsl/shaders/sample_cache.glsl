@@ -5,8 +5,9 @@ layout(std430, binding = TESSERA_BINDING_MARKS) restrict buffer TesseraMarks { u
 // All invocations write the same value, so their order does not matter. Most find it written
 // already.
 void tsr_mark(uint tile) {
-    if (tsr_marks[tile] == 0u)
-        tsr_marks[tile] = 1u;
+    uint at = tsr_parameter(tsr_p_marks_at) + tile;
+    if (tsr_marks[at] == 0u)
+        tsr_marks[at] = 1u;
 }
 
 // The tiles along s (axis 2) or t (axis 3) that contain texels, and the first texels of tiles. As
@@ -195,7 +196,7 @@ vec4 tsr_images_in_parts(bool wanted, TsrImage i0, TsrImage i1, TsrImage i2, Tsr
             texel = tsr_texel(tsr_cache_image(page, i.c) + ivec3(i.a.s[k & 3], i.a.t[k & 3], 0));
         image += i.taps.shares[k & 3] * texel;
         if ((k & 3) == 3) {
-            bool stands_in = !whole && tsr_parameter(tsr_p_has_coarse) != 0u;
+            bool stands_in = !whole && tsr_parameter(tsr_p_coarse_at) != 0u;
             coarse |= (stands_in ? 1 : 0) << (k >> 2);
             if (!stands_in)
                 sum += i.share * (whole ? image : tsr_background());

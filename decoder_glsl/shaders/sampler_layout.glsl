@@ -14,8 +14,8 @@ const int tsr_p_slot_width = 15; // cache: pixels of a slot
 const int tsr_p_slot_height = 16;
 const int tsr_p_half = 17;       // 1: half floats
 const int tsr_p_background = 18; // two words, packed as texels are
-const int tsr_p_coarse_at = 20;  // word of the coarse texels, two words each
-const int tsr_p_has_coarse = 21; // 1: there are coarse texels
+const int tsr_p_coarse_at = 20;  // word of the coarse texels, two words each; 0: there are none
+const int tsr_p_marks_at = 21;   // cache: word of its first tile's mark
 const int tsr_p_width = 22;      // pixels of a layer
 const int tsr_p_height = 23;
 const int tsr_p_page_at = 24;     // word of the page table
@@ -54,7 +54,8 @@ const int tsr_mip_u = 0; // where its texels begin on the axes of u and v
 const int tsr_mip_v = 1;
 const int tsr_mip_size = 2;   // texels u | v << 16
 const int tsr_mip_charts = 3; // word of its charts, one per texel, u fastest: a number, or 0
-const int tsr_mip_words = 4;
+const int tsr_mip_halves = 4; // 1: charts are halves of words, the lower one first; 0: whole words
+const int tsr_mip_words = 5;
 
 // ---- Coarse texels of a tile along u and v, along s and t, and in all.
 const int tsr_coarse_uv = 4;

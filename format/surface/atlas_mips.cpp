@@ -129,14 +129,15 @@ void AtlasMips::find_charts(const SurfaceMesh& mesh) {
     atlas.charts.assign(std::size_t{atlas.size[0]} * atlas.size[1], 0);
     JoinedVertices joined(mesh);
     std::vector<std::uint32_t> chart_of(mesh.positions.size(), 0); // per group of joined vertices
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        std::uint32_t& chart = chart_of[joined(mesh.triangles[i][0])];
+    std::uint32_t charts = 0; // numbered in the order of their first triangles
+    for (const std::array<std::uint32_t, 3>& triangle : mesh.triangles) {
+        std::uint32_t& chart = chart_of[joined(triangle[0])];
         if (chart == 0)
-            chart = i + 1;
+            chart = ++charts;
         std::array<glm::dvec2, 3> corners;
         for (std::size_t k = 0; k < 3; ++k)
-            corners[k] = glm::dvec2(mesh.uv[mesh.triangles[i][k]]) *
-                         glm::dvec2(atlas.size[0], atlas.size[1]);
+            corners[k] =
+                glm::dvec2(mesh.uv[triangle[k]]) * glm::dvec2(atlas.size[0], atlas.size[1]);
         visit_covered_texels(corners, atlas.size, [&](std::uint32_t u, std::uint32_t v) {
             std::uint32_t& texel = atlas.charts[std::size_t{v} * atlas.size[0] + u];
             if (texel == 0)

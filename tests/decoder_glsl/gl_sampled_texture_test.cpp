@@ -156,6 +156,50 @@ TEST_F(GpuSample, LongTilesAreSampledAsOnTheCpu) {
             .file);
 }
 
+// No texture is starved, and the budget that budget_for() names suffices for all.
+TEST_F(GpuSample, SeveralTexturesShareABudget) {
+    SampledFile large(mixed_file(SampleType::unorm8, 3, 50, false, {256, 128, 16, 16}));
+    SampledFile small(mixed_file(SampleType::unorm8, 1, 50, false, {64, 32, 6, 6}));
+    auto options = with(Residency::on_feedback, true);
+    options.coarse = false; // which would decode all tiles
+    const SampledTextureRequest files[] = {{&large.reader(), options}, {&small.reader(), options}};
+    std::uint64_t needed = 0;
+    std::vector<std::uint64_t> most; // slots, which tiles without bytes do not need
+    const auto check = [&](std::uint64_t budget) {
+        SCOPED_TRACE(std::to_string(budget >> 10) + " KiB");
+        auto textures = SampledTexture::create(files, budget);
+        ASSERT_TRUE(textures) << textures.status().message();
+        std::uint64_t bytes = 0;
+        std::vector<std::uint64_t> slots;
+        for (const SampledTexture& texture : *textures) {
+            bytes += texture.bytes();
+            slots.push_back(texture.cache_slots());
+        }
+        EXPECT_LE(bytes, budget);
+        if (most.empty()) {
+            most = slots;
+            for (std::size_t i = 0; i < std::size(files); ++i)
+                needed = std::max(needed, (*textures)[i].budget_for(slots[i]));
+        }
+        const bool fits = budget >= needed;
+        EXPECT_EQ(slots == most, fits) << slots[0] << " and " << slots[1] << " slots";
+        EXPECT_GT(std::ranges::min(slots), 0u);
+    };
+    check(256ull << 20);
+    check(needed);
+    check(16ull << 20);
+}
+
+TEST_F(GpuSample, TexturesOfDifferentResidenciesAreNotForOneProgram) {
+    SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
+    const SampledTextureRequest files[] = {
+        {&file.reader(), with(Residency::on_feedback, true)},
+        {&file.reader(), with(Residency::on_load, true)},
+    };
+    EXPECT_EQ(SampledTexture::create(files, 64ull << 20).status().code(), ErrorCode::bad_argument);
+    EXPECT_EQ(SampledTexture::create({}, 64ull << 20).status().code(), ErrorCode::bad_argument);
+}
+
 TEST_F(GpuSample, CoarseTexelsOfAnotherTextureAreRefused) {
     SampledFile file(mixed_file(SampleType::unorm8, 3, 50));
     Bytes texels(file.desc().box_bytes(Box4::whole(file.desc().size)));

@@ -110,12 +110,13 @@ std::vector<DistantLight> five_lights() {
     return lights;
 }
 
-Bytes layer_file(const LayerDesign& layer, const std::vector<std::byte>& mesh) {
+Bytes layer_file(const LayerDesign& layer, const std::vector<std::byte>& mesh,
+                 const Extent4& tile) {
     MemoryTexture texture({layer.size, SampleType::unorm8, layer.channels}, layer.sample);
     EncodeOptions options;
     options.effort = 0;
     options.rate = {RateTarget::Kind::quality, 80};
-    options.tile_extent = {16, 16, 6, 6};
+    options.tile_extent = tile;
     options.description.surface_map = SurfaceMap::mesh_uv;
     options.description.angular_map = AngularMap::octahedral_mirrored;
     options.description.transfer = layer.transfer;
@@ -131,12 +132,12 @@ Bytes layer_file(const LayerDesign& layer, const std::vector<std::byte>& mesh) {
 
 // A file with the diffuse layer and those of `roles`.
 Bytes file_of_layers(const std::vector<LayerRole>& roles, bool lit,
-                     const std::vector<std::byte>& mesh) {
+                     const std::vector<std::byte>& mesh, const Extent4& tile = {16, 16, 6, 6}) {
     std::vector<Bytes> files;
     std::vector<LayerFile> further;
     for (const LayerDesign& layer : designs())
         if (layer.role == LayerRole::diffuse || std::ranges::find(roles, layer.role) != roles.end())
-            files.push_back(layer_file(layer, mesh));
+            files.push_back(layer_file(layer, mesh, tile));
     std::size_t at = 1;
     for (const LayerDesign& layer : designs())
         if (std::ranges::find(roles, layer.role) != roles.end())
@@ -190,6 +191,15 @@ struct OpenedLayers {
 
 using GpuLayers = GpuTest;
 
+void expect_alike(const SurfaceMesh& mesh, const Camera& camera, double may_differ,
+                  ViewRenderer& on_gpu, ViewRenderer& on_cpu) {
+    SCOPED_TRACE("x = " + std::to_string(camera.eye.x));
+    const std::vector<int> seen = triangles_seen(mesh, camera);
+    const Likeness l = likeness(mesh_view_of(on_gpu, camera), mesh_view_of(on_cpu, camera), seen);
+    EXPECT_LE(l.wrong, may_differ * static_cast<double>(seen.size()));
+    EXPECT_GT(l.whole, seen.size() / 2);
+}
+
 TEST_F(GpuLayers, LookAsOnTheCpu) {
     using enum LayerRole;
     struct {
@@ -212,14 +222,36 @@ TEST_F(GpuLayers, LookAsOnTheCpu) {
         const OpenedLayers opened(file, mesh);
         const auto gpu = opened.on_gpu(mesh, {"load", 64});
         ASSERT_TRUE(gpu.ok()) << gpu.status().message();
-        for (const auto& [camera, may_differ] : places()) {
-            SCOPED_TRACE("x = " + std::to_string(camera.eye.x));
-            const std::vector<int> seen = triangles_seen(mesh, camera);
-            const Likeness l =
-                likeness(mesh_view_of(**gpu, camera), mesh_view_of(*opened.on_cpu, camera), seen);
-            EXPECT_LE(l.wrong, may_differ * static_cast<double>(seen.size()));
-            EXPECT_GT(l.whole, seen.size() / 2);
-        }
+        for (const auto& [camera, may_differ] : places())
+            expect_alike(mesh, camera, may_differ, **gpu, *opened.on_cpu);
+    }
+}
+
+// All roles that a pixel samples in another way with a tile cache: several lights, which lie in
+// several tiles, two mips, a texture without an atlas, and what decides about holes.
+TEST_F(GpuLayers, InTileCachesLookAsOnTheCpu) {
+    using enum LayerRole;
+    const std::vector<std::byte> stream = stream_of(box_and_ball());
+    const SurfaceMesh mesh = decoded(stream);
+    for (const auto& roles :
+         {std::vector{specular, roughness, normal, visibility, reflection, environment, coverage},
+          std::vector{emission, difference, shared_difference, opacity}}) {
+        SCOPED_TRACE(std::to_string(roles.size()) + " layers");
+        const bool lit = roles.front() == specular;
+        const Bytes file = file_of_layers(roles, lit, stream, {16, 16, 2, 2});
+        const OpenedLayers opened(file, mesh);
+        const auto gpu = opened.on_gpu(mesh, {"feedback", 64});
+        ASSERT_TRUE(gpu.ok()) << gpu.status().message();
+        unsigned frames = 0, touched = 0;
+        (*gpu)->watch([&](unsigned number, const DrawnFrame& frame, const auto&) -> Status {
+            frames = std::max(frames, number);
+            touched = frame.touched;
+            return {};
+        });
+        for (const auto& [camera, may_differ] : places())
+            expect_alike(mesh, camera, may_differ, **gpu, *opened.on_cpu);
+        EXPECT_GE(frames, 2u); // the first one marks the tiles
+        EXPECT_GT(touched, 6u);
     }
 }
 

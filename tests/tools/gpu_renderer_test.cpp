@@ -309,11 +309,9 @@ TEST_F(Sharpening, LevelsReplaceMeansOfAllTiles) {
     const Camera camera = camera_at({{8, 3, 6}, {0, 0, 0}}, {45, 96, 72});
     std::vector<Picture> first, last;
     for (const bool from_level : {false, true}) {
-        GpuRenderOptions options{"feedback", 64, 0, {}, nullptr, {}};
-        if (from_level) {
-            options.coarse_level = reader.levels().back();
-            options.coarse_texels = texels.get();
-        }
+        GpuRenderOptions options{"feedback", 64, 0, {}, {}};
+        if (from_level)
+            options.coarse = {reader.levels().back(), texels.get()};
         const auto renderer = make_gpu_renderer(reader, paper_window, grey, options);
         ASSERT_TRUE(renderer.ok()) << renderer.status().message();
         (*renderer)->watch([&](unsigned number, const DrawnFrame&, const auto& picture) -> Status {

@@ -341,8 +341,7 @@ void declare_renderer(CLI::App& c, RenderCommand& a) {
     OptionGroup group(c, "Renderer");
     group.option("--via", "NAME", r.via,
                  "cpu (default), or on the GPU: load (decoded as a whole), feedback (a cache of "
-                 "visible tiles; not for files with layers), gpu (load if the budget suffices, "
-                 "else feedback)",
+                 "visible tiles), gpu (load if the budget suffices, else feedback)",
                  one_of({"cpu", "gpu", "load", "feedback"}));
     group
         .option("--budget", "SIZE", r.budget_mib,

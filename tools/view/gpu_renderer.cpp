@@ -5,6 +5,7 @@
 #include "tools/support/interrupt.h"
 #include "tools/view/gpu_camera.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 #endif
@@ -51,32 +52,33 @@ public:
     Status open(const ContainerReader& reader, const SphereWindow& window) {
         TESSERA_TRY(open_texture(reader));
         window_ = window;
-        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(textures_[0].texture));
+        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(textures_[0]));
         view_.emplace(std::move(view));
         return {};
     }
 
     Status open(const ContainerReader& reader, const SurfaceMesh& mesh) {
         TESSERA_TRY(open_texture(reader));
-        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(textures_[0].texture, mesh));
+        TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(textures_[0], mesh));
         view_.emplace(std::move(view));
         return {};
     }
 
     Status open(std::span<const GpuLayer> layers, std::span<const DistantLight> lights,
                 const SurfaceMesh& mesh) {
-        TESSERA_TRY(check_budget(layers));
-        std::vector<ViewLayer> drawn;
+        const Residency residency = residency_for(needed_on_load(layers) <= budget());
+        if (residency == Residency::on_load)
+            TESSERA_TRY(check_budget(layers));
+        std::vector<SampledTextureRequest> files;
         for (const GpuLayer& layer : layers) {
-            SampledTextureOptions options;
-            options.residency = Residency::on_load;
-            options.budget = budget() - texture_bytes();
-            options.mesh = &mesh;
-            TESSERA_TRY(add_texture(*layer.reader, options));
-            drawn.push_back({layer.role, layer.scale, layer.reader->description().transfer});
+            files.push_back({layer.reader, options_of(*layer.reader, residency, layer.coarse)});
+            files.back().options.mesh = &mesh;
         }
-        for (std::size_t i = 0; i < drawn.size(); ++i)
-            drawn[i].texture = &textures_[i].texture;
+        TESSERA_TRY(create_textures(files));
+        std::vector<ViewLayer> drawn;
+        for (std::size_t i = 0; i < layers.size(); ++i)
+            drawn.push_back({layers[i].role, layers[i].scale,
+                             layers[i].reader->description().transfer, &textures_[i]});
         TESSERA_TRY_ASSIGN(auto view, GlViewRenderer::create(drawn, lights, mesh));
         view_.emplace(std::move(view));
         return {};
@@ -88,10 +90,10 @@ public:
         TESSERA_TRY(context_.make_current());
         TESSERA_TRY_ASSIGN(const auto report,
                            draw(gpu_camera(camera, window_.value_or(SphereWindow{}), background_)));
-        for (const auto& [reader, texture] : textures_)
-            if (texture.damaged_tiles() > 0)
+        for (std::size_t i = 0; i < textures_.size(); ++i)
+            if (const std::uint64_t damaged = textures_[i].damaged_tiles(); damaged > 0)
                 return Status(ErrorCode::invalid_file,
-                              reader->name() + ": " + std::to_string(texture.damaged_tiles()) +
+                              names_[i] + ": " + std::to_string(damaged) +
                                   " tiles are damaged; tessera validate lists them");
         auto view = read_view(camera.width, camera.height);
         if (view.ok())
@@ -106,53 +108,62 @@ public:
     }
 
 private:
-    struct Texture {
-        const ContainerReader* reader;
-        SampledTexture texture;
-    };
+    Residency residency_for(bool fits) const {
+        const bool whole = options_.via == "gpu" ? fits : options_.via == "load";
+        return whole ? Residency::on_load : Residency::on_feedback;
+    }
 
-    Status add_texture(const ContainerReader& reader, const SampledTextureOptions& options) {
-        TESSERA_TRY_ASSIGN(auto texture, SampledTexture::create(reader, options));
-        textures_.push_back({&reader, std::move(texture)});
+    SampledTextureOptions options_of(const ContainerReader& reader, Residency residency,
+                                     const CoarseLevel& coarse) const {
+        SampledTextureOptions options;
+        options.residency = residency;
+        options.jobs_per_update = options_.tiles_per_frame;
+        options.coarse_from = {coarse.level, coarse.texels};
+        // Without a coarse level, the coarse texels are the means of all tiles, and a partial file
+        // does not have all of them.
+        options.coarse = coarse.texels != nullptr || !reader.is_partial();
+        return options;
+    }
+
+    Status create_textures(std::span<const SampledTextureRequest> files) {
+        TESSERA_TRY_ASSIGN(textures_, SampledTexture::create(files, budget()));
+        for (const SampledTextureRequest& file : files)
+            names_.push_back(file.reader->name());
+        by_frames_ = files[0].options.residency == Residency::on_feedback;
         return {};
     }
 
     Status open_texture(const ContainerReader& reader) {
-        SampledTextureOptions options;
-        options.residency = options_.via == "gpu"    ? choose_residency(reader, budget())
-                            : options_.via == "load" ? Residency::on_load
-                                                     : Residency::on_feedback;
-        options.budget = budget();
-        options.jobs_per_update = options_.tiles_per_frame;
-        options.coarse_from = {options_.coarse_level, options_.coarse_texels};
-        // Without a coarse level, the coarse texels are the means of all tiles, and a partial file
-        // does not have all of them.
-        options.coarse = options_.coarse_texels != nullptr || !reader.is_partial();
-        TESSERA_TRY(add_texture(reader, options));
-        by_frames_ = options.residency == Residency::on_feedback;
-        return {};
+        const bool fits = choose_residency(reader, budget()) == Residency::on_load;
+        const SampledTextureRequest file{&reader,
+                                         options_of(reader, residency_for(fits), options_.coarse)};
+        return create_textures(std::span(&file, 1));
     }
 
-    // There is no tile cache for layers.
-    Status check_budget(std::span<const GpuLayer> layers) const {
-        constexpr std::uint64_t mebibyte = 1 << 20, work = 32 * mebibyte;
-        std::uint64_t needed = work;
+    static std::uint64_t needed_on_load(std::span<const GpuLayer> layers) {
+        std::uint64_t needed = 32ull << 20; // for decoding
         for (const GpuLayer& layer : layers)
             needed += decoded_bytes(*layer.reader);
+        return needed;
+    }
+
+    Status check_budget(std::span<const GpuLayer> layers) const {
+        constexpr std::uint64_t mebibyte = 1 << 20;
+        const std::uint64_t needed = needed_on_load(layers);
         if (needed <= budget())
             return {};
-        return {ErrorCode::unsupported,
-                layers[0].reader->name() +
-                    ": its layers, which are decoded as a whole, need --budget " +
-                    std::to_string((needed + mebibyte - 1) / mebibyte) + "M"};
+        return {ErrorCode::unsupported, layers[0].reader->name() +
+                                            ": all texels of its layers need --budget " +
+                                            std::to_string((needed + mebibyte - 1) / mebibyte) +
+                                            "M; --via feedback decodes only tiles in view"};
     }
 
     std::uint64_t budget() const { return std::uint64_t{options_.budget_mib} << 20; }
 
     std::uint64_t texture_bytes() const {
         std::uint64_t bytes = 0;
-        for (const Texture& each : textures_)
-            bytes += each.texture.bytes();
+        for (const SampledTexture& each : textures_)
+            bytes += each.bytes();
         return bytes;
     }
 
@@ -174,7 +185,7 @@ private:
             TESSERA_TRY(view_->draw(camera));
             const Traffic before = traffic(); // update() reads for the next frame
             const UpdateReport last = std::exchange(report, {});
-            TESSERA_TRY_ASSIGN(report, textures_[0].texture.update(true));
+            TESSERA_TRY_ASSIGN(report, update_textures());
             TESSERA_TRY(tell(camera, frame, report, last, before));
             if (!report.trouble.ok()) {
                 if (report.trouble.code() != ErrorCode::io || ++troubled == most_troubled)
@@ -185,6 +196,25 @@ private:
             if (report.decoded == 0 || frame >= most_frames + spread_over(report))
                 return report;
         }
+    }
+
+    // The sum of the reports of all textures.
+    Result<UpdateReport> update_textures() {
+        UpdateReport sum;
+        sum.current = true;
+        needed_budget_ = 0;
+        for (SampledTexture& texture : textures_) {
+            TESSERA_TRY_ASSIGN(const UpdateReport own, texture.update(true));
+            sum.touched += own.touched;
+            sum.missing += own.missing;
+            sum.decoded += own.decoded;
+            sum.waiting += own.waiting;
+            sum.current = sum.current && own.current;
+            if (sum.trouble.ok())
+                sum.trouble = own.trouble;
+            needed_budget_ = std::max(needed_budget_, texture.budget_for(own.touched));
+        }
+        return sum;
     }
 
     unsigned spread_over(const UpdateReport& report) const {
@@ -214,8 +244,7 @@ private:
             return {};
         return std::to_string(missing) + " of the " + std::to_string(report.touched) +
                " tiles in view do not fit into --budget " + std::to_string(options_.budget_mib) +
-               "M and are drawn coarsely; --budget " +
-               std::to_string((textures_[0].texture.budget_for(report.touched) >> 20) + 1) +
+               "M and are drawn coarsely; --budget " + std::to_string((needed_budget_ >> 20) + 1) +
                "M would hold all of them";
     }
 
@@ -223,7 +252,9 @@ private:
     std::optional<SphereWindow> window_; // absent: a mesh
     glm::dvec3 background_;
     GpuRenderOptions options_;
-    std::vector<Texture> textures_; // several only of layers, which update() does not change
+    std::vector<SampledTexture> textures_;
+    std::vector<std::string> names_;  // of their files
+    std::uint64_t needed_budget_ = 0; // with which the last frame would miss no tiles
     std::optional<GlViewRenderer> view_;
     bool by_frames_ = false;
     FrameHook hook_;

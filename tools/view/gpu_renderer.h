@@ -14,6 +14,12 @@
 
 namespace tessera {
 
+// A coarse level of a file and its texels, which are only used while a renderer is made.
+struct CoarseLevel {
+    LevelEntry level{};
+    TexelSource* texels = nullptr;
+};
+
 // How and in how much memory the device holds the texels of `reader`.
 struct GpuRenderOptions {
     // "load" decodes all tiles into an ordinary texture. "feedback" keeps a cache of the tiles that
@@ -23,11 +29,9 @@ struct GpuRenderOptions {
     unsigned budget_mib = 512;
     // With "feedback": the maximum number of tiles decoded between two frames; 0: no limit.
     unsigned tiles_per_frame = 0;
-    // With "feedback": one of the file's coarse levels and its texels, which are drawn where tiles
-    // are not decoded yet. They are only used while the renderer is made. Without them, making the
-    // renderer decodes every tile.
-    LevelEntry coarse_level{};
-    TexelSource* coarse_texels = nullptr;
+    // With "feedback": what is drawn where tiles are not decoded yet. Without it, making the renderer
+    // decodes every tile.
+    CoarseLevel coarse{};
     std::function<Traffic()> traffic{}; // returns what was read so far, for the reports of frames
 };
 
@@ -57,11 +61,11 @@ struct GpuLayer {
     LayerRole role = LayerRole::diffuse;
     float scale = 1; // the light of a sample of 1
     const ContainerReader* reader = nullptr;
+    CoarseLevel coarse{}; // as in GpuRenderOptions
 };
 
 // The same for a file with layers; the diffuse one comes first. The picture matches
-// make_layered_renderer(). All layers are decoded as a whole, so that `options.via` is "load" or
-// "gpu", and together they must fit into the budget.
+// make_layered_renderer(). The layers share the budget; `options.coarse` is not used.
 Result<std::unique_ptr<ViewRenderer>> make_gpu_renderer(std::span<const GpuLayer> layers,
                                                         std::span<const DistantLight> lights,
                                                         const SurfaceMesh& mesh,

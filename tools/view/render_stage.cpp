@@ -181,17 +181,40 @@ Status add_cpu_renderer(const FileSurface& surface, Stage& stage) {
     return {};
 }
 
-Status add_layers_on_gpu(const StageRequest& r, const FileSurface& surface, Stage& stage) {
-    const ContainerReader& container = stage.decoder->container();
-    std::vector<GpuLayer> drawn = {{LayerRole::diffuse, container.layers().scale, &container}};
-    for (const OpenLayerFile& layer : stage.layers)
-        drawn.push_back({layer.info.role, layer.info.scale, &layer.decoder->container()});
+// The coarsest level of a file, if it has any. It decodes fastest, and the device's coarse texels are
+// no finer. The texels are added to `kept`.
+CoarseLevel coarsest_level(const Decoder& decoder,
+                           std::vector<std::unique_ptr<TexelSource>>& kept) {
+    const auto& levels = decoder.container().levels();
+    if (levels.size() < 2)
+        return {};
+    kept.push_back(decoded_level(decoder, levels.size() - 1));
+    return {levels.back(), kept.back().get()};
+}
+
+GpuRenderOptions gpu_options(const StageRequest& r, const Stage& stage) {
     GpuRenderOptions options;
     options.via = r.via;
     options.budget_mib = r.budget_mib;
+    options.tiles_per_frame = r.tiles_per_frame;
+    // Captures these two, because the stage itself may move.
+    options.traffic = [bytes = stage.bytes.get(), metered = stage.metered.get()] {
+        return traffic_of(*bytes, *metered);
+    };
+    return options;
+}
+
+Status add_layers_on_gpu(const StageRequest& r, const FileSurface& surface, Stage& stage) {
+    const ContainerReader& container = stage.decoder->container();
+    std::vector<std::unique_ptr<TexelSource>> coarse;
+    std::vector<GpuLayer> drawn = {{LayerRole::diffuse, container.layers().scale, &container,
+                                    coarsest_level(*stage.decoder, coarse)}};
+    for (const OpenLayerFile& layer : stage.layers)
+        drawn.push_back({layer.info.role, layer.info.scale, &layer.decoder->container(),
+                         coarsest_level(*layer.decoder, coarse)});
     TESSERA_TRY_ASSIGN(stage.compressed,
                        make_gpu_renderer(drawn, container.layers().lights, surface.mesh->mesh,
-                                         surface.background, options));
+                                         surface.background, gpu_options(r, stage)));
     return {};
 }
 
@@ -219,9 +242,6 @@ Status add_layered_renderer(const StageRequest& r, const FileSurface& surface, S
     const ContainerReader& container = stage.decoder->container();
     if (!surface.mesh)
         return {ErrorCode::unsupported, r.file + ": its layers do not lie on a mesh"};
-    if (r.via == "feedback")
-        return {ErrorCode::unsupported,
-                r.file + ": has layers, which --via feedback cannot draw; --via load can"};
     if (!r.original.empty())
         return {ErrorCode::unsupported, r.file + ": --original cannot be used with layers"};
     const bool is_remote = network_traffic(*stage.bytes).has_value();
@@ -233,21 +253,9 @@ Status add_layered_renderer(const StageRequest& r, const FileSurface& surface, S
 
 Status add_gpu_renderer(const StageRequest& r, const FileSurface& surface, Stage& stage) {
     const ContainerReader& container = stage.decoder->container();
-    GpuRenderOptions options;
-    options.via = r.via;
-    options.budget_mib = r.budget_mib;
-    options.tiles_per_frame = r.tiles_per_frame;
-    // Captures these two, because the stage itself may move.
-    options.traffic = [bytes = stage.bytes.get(), metered = stage.metered.get()] {
-        return traffic_of(*bytes, *metered);
-    };
-    // The coarsest level decodes fastest, and the device's coarse texels are no finer.
-    std::unique_ptr<TexelSource> coarse;
-    if (const std::size_t levels = container.levels().size(); levels > 1) {
-        coarse = decoded_level(*stage.decoder, levels - 1);
-        options.coarse_level = container.levels().back();
-        options.coarse_texels = coarse.get();
-    }
+    std::vector<std::unique_ptr<TexelSource>> coarse;
+    GpuRenderOptions options = gpu_options(r, stage);
+    options.coarse = coarsest_level(*stage.decoder, coarse);
     TESSERA_TRY_ASSIGN(
         stage.compressed,
         surface.mesh ? make_gpu_renderer(container, surface.mesh->mesh, surface.background, options)
