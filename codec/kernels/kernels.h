@@ -169,7 +169,7 @@ struct Kernels {
 // scalar: portable loops. vector: the compiler's generic 128-bit vectors (NEON, WebAssembly, SSE2).
 enum class KernelPath { scalar, vector, avx2 };
 // The path in use: the best that this CPU supports, or the one that the environment variable
-// TESSERA_SIMD names ("scalar", "vector", "avx2").
+// TESSERA_SIMD names ("scalar", "vector", "avx2"). Without it, the search may use AVX-512 besides.
 KernelPath kernel_path();
 const Kernels& kernels();
 

@@ -174,6 +174,8 @@ struct SearchKernels {
 const SearchKernels& search_kernels();
 
 extern const SearchKernels search_kernels_scalar;
-extern const SearchKernels search_kernels_avx2; // may be used only if avx2_available()
+extern const SearchKernels search_kernels_avx2;   // may be used only if avx2_available()
+extern const SearchKernels search_kernels_avx512; // may be used only if avx512_available()
+bool avx512_available();
 
 } // namespace tessera

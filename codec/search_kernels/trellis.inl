@@ -37,7 +37,11 @@ inline Int8 by_quantiser(std::int32_t first, std::int32_t second) {
 
 // row[index] in each lane, 0 <= index < 16.
 inline Float8 look_up(const float* row, const Int8& index) {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    const auto at = _mm512_castsi256_si512(__builtin_bit_cast(__m256i, index));
+    return __builtin_bit_cast(
+        Float8, _mm512_castps512_ps256(_mm512_permutexvar_ps(at, _mm512_loadu_ps(row))));
+#elif defined(__AVX2__)
     const auto at = __builtin_bit_cast(__m256i, index);
     const __m256 low = _mm256_permutevar8x32_ps(_mm256_loadu_ps(row), at);
     const __m256 high = _mm256_permutevar8x32_ps(_mm256_loadu_ps(row + 8), at);

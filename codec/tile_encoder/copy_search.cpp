@@ -12,7 +12,8 @@ namespace {
 constexpr float copy_bits = 12.0f;     // beside the displacement
 constexpr float base_copy_bits = 8.0f; // with the displacement
 // A copy that cost so many times the best tree in one round is not tried in the next.
-constexpr float hopeless_cost = 1.5f;
+constexpr float hopeless_cost = 1.1f;
+constexpr float hopeless_beside_base = 1.5f; // in files with base pictures
 // A copy along one direction with so many times the error of the other is not tried.
 constexpr float hopeless_error = 2.0f;
 constexpr int most_base_splits = 2; // angular ones, above blocks that copy the base picture
@@ -77,17 +78,20 @@ void CopySearch::match(TileSearch& tile, int angular, Matches& matches) {
     const CellGrid& finest = grids.at(grids.spatial_depths(), angular);
     cells_.angular = {finest.segments[2], finest.segments[3]};
     cells_.spatial.clear();
-    cells_.wanted.resize(grids.spatial_depths() + 1);
+    const float scale = squared(tile.costs.inverse_step(0));
+    cells_.limit.resize(grids.spatial_depths() + 1);
     for (int s = 0; s <= grids.spatial_depths(); ++s) {
         const CellGrid& grid = grids.at(s, angular);
         cells_.spatial.push_back({grid.segments[0], grid.segments[1]});
-        std::vector<std::uint8_t>& wanted = cells_.wanted[s];
-        wanted.assign(grid.activity.size(), 0);
+        std::vector<float>& limit = cells_.limit[s];
+        limit.assign(grid.activity.size(), 0);
         if (grid.is_tried)
-            grid.for_each_cell(
-                [&](const Cell&, std::size_t i) { wanted[i] = grids.is_flat(grid, i) ? 0 : 1; });
+            grid.for_each_cell([&](const Cell&, std::size_t i) {
+                if (!grids.is_flat(grid, i))
+                    limit[i] = (grid.activity[i] + grid.mean_cost[i]) / scale;
+            });
     }
-    const float bit_cost = options_.lambda / squared(tile.costs.inverse_step(0));
+    const float bit_cost = options_.lambda / scale;
     for (int direction = 0; direction < copy_directions; ++direction)
         if (has_matches_)
             displacements_.match_again(direction, cells_, bit_cost, matches[direction]);
@@ -100,13 +104,14 @@ void CopySearch::try_views(TileSearch& tile, CellGrid& grid, const Cell& cell,
                            const TilePlanes& reconstructed) {
     const std::size_t i = grid.index(cell);
     const float scale = squared(tile.costs.inverse_step(0));
+    const float hopeless = coding_->parameters.base.on ? hopeless_beside_base : hopeless_cost;
     for (const CopyFrom from : {CopyFrom::along_s, CopyFrom::along_t}) {
         const std::size_t direction = from == CopyFrom::along_s ? 0 : 1;
         const Match& match = matches[direction];
         if (match.error * scale >= grid.activity[i] + grid.mean_cost[i] ||
             match.error > hopeless_error * matches[1 - direction].error ||
             (!grid.subtree_cost.empty() &&
-             grid.tried_cost[direction][i] > hopeless_cost * grid.subtree_cost[i]))
+             grid.tried_cost[direction][i] > hopeless * grid.subtree_cost[i]))
             continue;
         const BlockPrediction prediction{from, match.displacement};
         const float bits =

@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::size_t searched_in_full =
     4; // one angular cell in so many, to find likely candidates
+// Half texels, and other displacements in a later round, are not tried for a copy that leaves so many
+// times the error at which it pays.
+constexpr float hopeless_copy = 1.5f;
 constexpr float infinite_error = std::numeric_limits<float>::infinity();
 
 std::size_t count_of(const DisplacementSearch::Axes& cells) {
@@ -35,7 +38,7 @@ std::size_t place_of_least(const std::vector<float>& values) {
 // Calls visit(u, v, cell, known), which returns the displacement that the cell takes, for the
 // wanted cells in the order of the split tree. known: the last two displacements that differ.
 template <class Visit>
-void visit_in_tree_order(const DisplacementSearch::Axes& cells, const std::uint8_t* wanted,
+void visit_in_tree_order(const DisplacementSearch::Axes& cells, const float* limits,
                          const Visit& visit) {
     const std::size_t width = cells[0].size(), height = cells[1].size();
     const std::size_t places = std::max(width, height) * std::max(width, height);
@@ -46,7 +49,7 @@ void visit_in_tree_order(const DisplacementSearch::Axes& cells, const std::uint8
             cu |= (place >> (2 * bit) & 1) << bit;
             cv |= (place >> (2 * bit + 1) & 1) << bit;
         }
-        if (cu >= width || cv >= height || wanted[cv * width + cu] == 0)
+        if (cu >= width || cv >= height || limits[cv * width + cu] == 0)
             continue;
         const Displacement taken = visit(cells[0][cu], cells[1][cv], cv * width + cu, known);
         if (taken != known[0])
@@ -58,8 +61,8 @@ void visit_in_tree_order(const DisplacementSearch::Axes& cells, const std::uint8
 bool wants_any(const DisplacementSearch::Cells& cells, std::size_t angle) {
     for (std::size_t depth = 0; depth < cells.spatial.size(); ++depth) {
         const std::size_t count = count_of(cells.spatial[depth]);
-        const std::uint8_t* const first = cells.wanted[depth].data() + angle * count;
-        if (std::any_of(first, first + count, [](std::uint8_t one) { return one != 0; }))
+        const float* const first = cells.limit[depth].data() + angle * count;
+        if (std::any_of(first, first + count, [](float limit) { return limit != 0; }))
             return true;
     }
     return false;
@@ -189,11 +192,11 @@ void DisplacementSearch::attempt(const Displacement& d, Best& best) const {
     }
 }
 
-void DisplacementSearch::choose(const Axes& cells, const std::uint8_t* wanted, const float* errors,
+void DisplacementSearch::choose(const Axes& cells, const float* limits, const float* errors,
                                 float bit_cost, Match* matches) {
     const std::size_t count = candidates_.size();
     visit_in_tree_order(
-        cells, wanted,
+        cells, limits,
         [&](const Segment& u, const Segment& v, std::size_t cell, const Known& known) {
             const float* own = errors + cell * count;
             add_bits(own, known, bit_cost);
@@ -210,7 +213,8 @@ void DisplacementSearch::choose(const Axes& cells, const std::uint8_t* wanted, c
             for (const Displacement& d : known)
                 if (!is_candidate(d))
                     attempt(d, best);
-            for (int dv = -1; range_.half && dv <= 1; ++dv)
+            const bool halves = range_.half && best.match.error <= hopeless_copy * limits[cell];
+            for (int dv = -1; halves && dv <= 1; ++dv)
                 for (int du = -1; du <= 1; ++du) {
                     const Displacement d{static_cast<std::int8_t>(whole.u + du),
                                          static_cast<std::int8_t>(whole.v + dv)};
@@ -230,7 +234,7 @@ void DisplacementSearch::match_angle(const Cells& cells, float bit_cost, std::si
     const float* errors = errors_.data();
     for (std::size_t depth = cells.spatial.size(); depth-- > 0;) {
         const std::size_t count = count_of(cells.spatial[depth]);
-        choose(cells.spatial[depth], cells.wanted[depth].data() + angle * count, errors, bit_cost,
+        choose(cells.spatial[depth], cells.limit[depth].data() + angle * count, errors, bit_cost,
                matches[depth].data() + angle * count);
         errors += count * candidates_.size();
     }
@@ -287,10 +291,12 @@ void DisplacementSearch::match_again(int direction, const Cells& cells, float bi
         for (std::size_t depth = 0; depth < cells.spatial.size(); ++depth) {
             const std::size_t first = angle * count_of(cells.spatial[depth]);
             visit_in_tree_order(
-                cells.spatial[depth], cells.wanted[depth].data() + first,
+                cells.spatial[depth], cells.limit[depth].data() + first,
                 [&](const Segment& u, const Segment& v, std::size_t cell, const Known& known) {
                     Match& match = matches[depth][first + cell];
                     const Displacement before = match.displacement;
+                    if (match.error > hopeless_copy * cells.limit[depth][first + cell])
+                        return before;
                     Best best{.u = u,
                               .v = v,
                               .known = known,

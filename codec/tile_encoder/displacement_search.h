@@ -48,9 +48,10 @@ public:
     using Axes = std::array<std::vector<Segment>, 2>;
     // The cells of one angular depth and all spatial depths.
     struct Cells {
-        Axes angular;                                  // along s and t
-        std::vector<Axes> spatial;                     // along u and v, coarse to fine
-        std::vector<std::vector<std::uint8_t>> wanted; // by spatial depth and cell; 0: not
+        Axes angular;              // along s and t
+        std::vector<Axes> spatial; // along u and v, coarse to fine
+        // By spatial depth and cell: the error at which a copy no longer pays; 0: it is not matched.
+        std::vector<std::vector<float>> limit;
     };
     using Matches = std::vector<std::vector<Match>>; // by spatial depth and cell
 
@@ -77,7 +78,7 @@ private:
     void set_bits();
     void measure(const std::vector<Axes>& spatial);
     void match_angle(const Cells& cells, float bit_cost, std::size_t angle, Matches& matches);
-    void choose(const Axes& cells, const std::uint8_t* wanted, const float* errors, float bit_cost,
+    void choose(const Axes& cells, const float* limits, const float* errors, float bit_cost,
                 Match* matches);
     template <class Visit> void for_each_angle(const Axes& angular, const Visit& visit);
     std::size_t place_of(const Displacement& whole) const;

@@ -21,12 +21,16 @@ namespace {
 
 using namespace tessera::test::transforms;
 
-// The search has only scalar and AVX2 kernels.
+// The search has scalar, AVX2 and AVX-512 kernels. ctest runs these tests with TESSERA_SIMD=avx2, too.
 class SearchPaths : public testing::Test {
 protected:
     void SetUp() override {
         if (!avx2_available())
             GTEST_SKIP() << "this CPU or build has one path only";
+    }
+    static const SearchKernels& wide() {
+        return &search_kernels() == &search_kernels_avx512 ? search_kernels_avx512
+                                                           : search_kernels_avx2;
     }
 };
 
@@ -38,13 +42,12 @@ TEST_F(SearchPaths, ForwardPassesAreEqual) {
             std::vector<float> a(in.size()), b(in.size(), 1);
             search_kernels_scalar.forward_planes(in.data(), inner, a.data(), inner, n, inner,
                                                  forward_basis(n));
-            search_kernels_avx2.forward_planes(in.data(), inner, b.data(), inner, n, inner,
-                                               forward_basis(n));
+            wide().forward_planes(in.data(), inner, b.data(), inner, n, inner, forward_basis(n));
             ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
                 << n << " " << inner;
             const int rows = inner;
             search_kernels_scalar.forward_rows(in.data(), a.data(), rows, n, n, forward_basis(n));
-            search_kernels_avx2.forward_rows(in.data(), b.data(), rows, n, n, forward_basis(n));
+            wide().forward_rows(in.data(), b.data(), rows, n, n, forward_basis(n));
             ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
                 << n << " " << inner;
         }
@@ -61,7 +64,7 @@ TEST_F(SearchPaths, ForwardImagesAreEqualAndCorrect) {
             std::vector<float> a(static_cast<std::size_t>(kept_u * forward_kept(nv))),
                 b(a.size(), 1);
             search_kernels_scalar.forward_image(in.data(), stride, nu, nv, a.data());
-            search_kernels_avx2.forward_image(in.data(), stride, nu, nv, b.data());
+            wide().forward_image(in.data(), stride, nu, nv, b.data());
             ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0)
                 << nu << "x" << nv;
             std::vector<double> want;
@@ -88,8 +91,7 @@ TEST_F(SearchPaths, CodingCostsAreEqual) {
                 value = std::numeric_limits<float>::infinity();
         const CostSum a =
             search_kernels_scalar.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
-        const CostSum b =
-            search_kernels_avx2.coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
+        const CostSum b = wide().coding_cost(x.data(), base.data(), count, 0.37f, 0.2f);
         ASSERT_EQ(std::memcmp(&a, &b, sizeof a), 0) << count;
         ASSERT_TRUE(std::isfinite(a.cost)) << count;
         double energy = 0;
@@ -123,7 +125,7 @@ TEST_F(SearchPaths, SquaredDifferencesAreEqualAndCorrect) {
                     right[static_cast<std::size_t>(x)] += difference * difference;
                 }
             const auto all = std::accumulate(right.begin(), right.end(), std::int64_t{});
-            for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
+            for (const SearchKernels* path : {&search_kernels_scalar, &wide()}) {
                 std::vector<float> columns(right.size(), 1), pairs(right.size() / 2, 1);
                 path->add_squared_differences(a.data(), a_stride, b.data(), b_stride, first, last,
                                               rows, n, columns.data());
@@ -153,7 +155,7 @@ TEST_F(SearchPaths, MatchingUnitsAreEqualAndNearest) {
                 return units;
             };
             const auto units = of(search_kernels_scalar);
-            ASSERT_EQ(units, of(search_kernels_avx2));
+            ASSERT_EQ(units, of(wide()));
             for (std::size_t i = 0; i < x.size(); ++i)
                 ASSERT_EQ(units[i], std::nearbyint(std::clamp(x[i] * scale, -1.0f * matching_limit,
                                                               1.0f * matching_limit)));
@@ -225,7 +227,7 @@ TEST_F(SearchPaths, TrellisesAreEqual) {
                 EXPECT_EQ(state, 0u) << "where all paths begin";
                 return found;
             };
-            const Path a = run(search_kernels_scalar), b = run(search_kernels_avx2);
+            const Path a = run(search_kernels_scalar), b = run(wide());
             ASSERT_EQ(a.levels, b.levels) << name_of(shape) << " " << round;
             ASSERT_EQ(a.end.cost, b.end.cost) << name_of(shape) << " " << round;
             ASSERT_EQ(a.end.state, b.end.state) << name_of(shape) << " " << round;
@@ -240,7 +242,7 @@ TEST_F(SearchPaths, MomentsAreEqual) {
         const auto places = static_cast<std::size_t>(count);
         std::vector<float> sums(places, 1), squares(places, 2), a = sums, b = squares;
         search_kernels_scalar.add_quads(x.data(), count, sums.data(), squares.data());
-        search_kernels_avx2.add_quads(x.data(), count, a.data(), b.data());
+        wide().add_quads(x.data(), count, a.data(), b.data());
         ASSERT_EQ(std::memcmp(a.data(), sums.data(), places * sizeof(float)), 0) << count;
         ASSERT_EQ(std::memcmp(b.data(), squares.data(), places * sizeof(float)), 0) << count;
         for (std::size_t i = 0; i < places; ++i) { // every four values as a row
@@ -252,7 +254,7 @@ TEST_F(SearchPaths, MomentsAreEqual) {
         const int n = 4 * count - count % 4; // not only multiples of four
         float sum = 0, square = 0, other_sum = 0, other_square = 0;
         search_kernels_scalar.add_row(x.data(), n, &sum, &square);
-        search_kernels_avx2.add_row(x.data(), n, &other_sum, &other_square);
+        wide().add_row(x.data(), n, &other_sum, &other_square);
         ASSERT_EQ(sum, other_sum) << n;
         ASSERT_EQ(square, other_square) << n;
         double right = 0;
@@ -274,7 +276,7 @@ TEST_F(SearchPaths, ForwardViewsAreEqualAndCorrect) {
                 const auto in = random_floats(random, t * nt, 255);
                 std::vector<float> a(in.size()), b(in.size()), between(in.size()), both(in.size());
                 search_kernels_scalar.forward_views(in.data(), a.data(), cell);
-                search_kernels_avx2.forward_views(in.data(), b.data(), cell);
+                wide().forward_views(in.data(), b.data(), cell);
                 ASSERT_EQ(a, b) << ns << " " << nt << " " << width;
                 search_kernels_scalar.forward_planes(in.data(), t, between.data(), t, nt, t,
                                                      forward_basis(nt));
@@ -303,7 +305,7 @@ TEST_F(SearchPaths, ErrorsOfQuadsAreEqualAndCorrect) {
         }
         search_kernels_scalar.add_quad_errors(x.data(), predicted.data(), 1.0f / 16, count,
                                               a.data());
-        search_kernels_avx2.add_quad_errors(x.data(), predicted.data(), 1.0f / 16, count, b.data());
+        wide().add_quad_errors(x.data(), predicted.data(), 1.0f / 16, count, b.data());
         ASSERT_EQ(a, b) << count;
         for (std::size_t run = 0; run < a.size(); ++run) {
             float sum = 0;
@@ -335,7 +337,7 @@ TEST_F(SearchPaths, LoadedColoursMatchTheDecoderKernel) {
                 to[p] = right[p].data();
             }
             kernels_scalar.load_ycocg8(rgb.data(), texels, images, background, to);
-            for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
+            for (const SearchKernels* path : {&search_kernels_scalar, &wide()}) {
                 std::vector<std::uint8_t> is_zero(count / 64 + 1, 0);
                 Ycocg8Planes out{{},
                                  {background[0], background[1], background[2]},
@@ -370,7 +372,7 @@ TEST_F(SearchPaths, ByteErrorsAreCorrect) {
             squared += std::uint64_t{error} * error;
             largest = std::max(largest, error);
         }
-        for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
+        for (const SearchKernels* path : {&search_kernels_scalar, &wide()}) {
             const ByteErrors errors = path->compare_bytes(a.data(), b.data(), n);
             EXPECT_EQ(errors.squared, squared) << n;
             EXPECT_EQ(errors.largest, largest) << n;
@@ -395,7 +397,7 @@ TEST_F(SearchPaths, ByteDifferencesAreEqualAndCorrect) {
                                                                        : random.range(0, 255));
             right[lane] = static_cast<std::int16_t>(right[lane] + a[i] - b[i]);
         }
-        for (const SearchKernels* path : {&search_kernels_scalar, &search_kernels_avx2}) {
+        for (const SearchKernels* path : {&search_kernels_scalar, &wide()}) {
             std::vector<std::int16_t> sums(byte_lanes);
             path->add_byte_differences(a.data(), b.data(), rows, sums.data());
             EXPECT_EQ(sums, right) << rows;
@@ -415,7 +417,7 @@ TEST_F(SearchPaths, CellsAndMagnitudesAreEqual) {
             right = std::max(right, std::fabs(x[i]));
         std::array<std::vector<float>, 4> a, b;
         for (const bool scalar : {true, false}) {
-            const SearchKernels& path = scalar ? search_kernels_scalar : search_kernels_avx2;
+            const SearchKernels& path = scalar ? search_kernels_scalar : wide();
             auto& [pairs, singles, energy, of_mean] = scalar ? a : b;
             pairs = singles = energy = of_mean = start;
             path.add_pairs(x.data(), n, pairs.data());
@@ -443,8 +445,7 @@ TEST_F(SearchPaths, SubtractedPredictionsAreEqual) {
         std::vector<float> a(predicted.size()), b(predicted.size(), 1);
         search_kernels_scalar.subtract_predicted(in.data(), stride, predicted.data(), 0.0625f, rows,
                                                  n, a.data());
-        search_kernels_avx2.subtract_predicted(in.data(), stride, predicted.data(), 0.0625f, rows,
-                                               n, b.data());
+        wide().subtract_predicted(in.data(), stride, predicted.data(), 0.0625f, rows, n, b.data());
         ASSERT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0) << n;
         const std::size_t last = a.size() - 1;
         ASSERT_EQ(a[last], in[static_cast<std::size_t>((rows - 1) * stride + n - 1)] -
