@@ -103,6 +103,7 @@ private:
         const ShapeCoding& shape = shapes_.get(coding_, block.shape);
         const std::size_t first_plane = out_.planes.size();
         int previous = 0;
+        bool is_empty = true; // all planes before
         for (int plane = 0; plane < coding_.planes; ++plane) {
             const int token =
                 plane == 0
@@ -126,9 +127,11 @@ private:
                 previous = token;
                 if (!decode_colour(length))
                     return false;
-                if (length > 0 && out_.is_predicted(index))
-                    decode_transform(block.shape, out_.predictions[index]);
             }
+            if (length > 0 && out_.is_predicted(index) &&
+                is_before_transform(plane, is_empty, coding_.parameters.transforms_any_plane))
+                decode_transform(block.shape, out_.predictions[index]);
+            is_empty = is_empty && length == 0;
             if (length > 0 && !decode_plane(first_plane, plane, out_.copies(index), shape.order))
                 return false;
         }

@@ -110,6 +110,7 @@ public:
         const BlockShape& shape = tile.blocks[block].shape;
         const ShapeCoding& shape_coding = shapes_.get(coding_, shape);
         int previous = 0;
+        bool is_empty = true; // all planes before
         for (int plane = 0; plane < coding_.planes; ++plane) {
             const PlaneLevels* levels =
                 &tile.planes[block * static_cast<std::size_t>(coding_.planes)];
@@ -129,9 +130,11 @@ public:
                 previous = token;
                 if (length > 0 && coding_.rotates)
                     walk_colour(tile.colours[block]);
-                if (length > 0 && tile.is_predicted(block))
-                    walk_transform(tile.predictions[block], shape);
             }
+            if (length > 0 && tile.is_predicted(block) &&
+                is_before_transform(plane, is_empty, coding_.parameters.transforms_any_plane))
+                walk_transform(tile.predictions[block], shape);
+            is_empty = is_empty && length == 0;
             if (length > 0)
                 walk_plane(tile, tile.copies(block), {levels, static_cast<std::size_t>(plane) + 1},
                            shape_coding.order);

@@ -4,14 +4,34 @@
 #include "codec/pass/tile_figures.h"
 #include "format/work.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
 namespace tessera {
+namespace {
+
+// Whether a block leaves out a transform.
+bool leaves_out_any(const Statistics& statistics) {
+    for (int context = 0; context < transform_contexts; ++context) {
+        const int parameter = transform_parameter(context, usual_transform_kinds - 1);
+        if (statistics.goes[static_cast<std::size_t>(parameter)] > 0)
+            return true;
+    }
+    return false;
+}
+
+} // namespace
 
 Status recode_with_fitted_tables(const EncodePlan& plan, PassResult& pass) {
     CodingParameters fitted = pass.parameters;
     fitted.parameters = fit_parameters(pass.totals.statistics, fitted.defaults);
+    if (fitted.leaves_out_transforms && !leaves_out_any(pass.totals.statistics)) {
+        fitted.leaves_out_transforms = false;
+        std::copy(default_parameters(fitted.defaults).begin() + no_transform_offset,
+                  default_parameters(fitted.defaults).end(),
+                  fitted.parameters.begin() + no_transform_offset);
+    }
     std::shared_ptr<TileStore> payloads = pass.payloads; // in memory each replaces the old one
     if (plan.journal != nullptr) {
         TESSERA_TRY_ASSIGN(payloads, plan.journal->scratch(pass.tiles.size()));

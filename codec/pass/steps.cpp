@@ -49,6 +49,9 @@ CodingParameters coding_parameters(double step, const EncodePlan& plan) {
     const Extent4& tile = plan.grid.tile_extent();
     parameters.leaves_out_transforms = parameters.prediction && plan.effort.pictures.no_transform &&
                                        tile[axis_s] == 1 && tile[axis_t] == 1;
+    // Two channels weigh the same, so the first one is often empty where the second is not.
+    parameters.transforms_any_plane =
+        parameters.leaves_out_transforms && plan.colour.desc.channels == 2;
     return parameters;
 }
 

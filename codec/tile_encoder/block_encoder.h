@@ -45,6 +45,13 @@ public:
     // empty then, otherwise with none.
     void encode_as(const BlockCoefficients& block, const BlockColour& colour, TileLevels& out);
 
+    // Whether a block, which is alone in `coded`, has a transform symbol if its mode and sides allow
+    // one. Otherwise decoders take cosines.
+    bool has_transform_symbol(const TileLevels& coded) const {
+        return coding_->parameters.transforms_any_plane ? !coded.nonzeros.empty()
+                                                        : coded.planes[0].coded_length != 0;
+    }
+
     // The coefficients of the block that was coded last, with its colour.
     const BlockCoefficients& coefficients(const BlockColour& colour) const {
         return colour.is_plain() ? plain_ : coloured_;

@@ -130,7 +130,7 @@ void PictureEncoder::offer(const Block& block, const BlockPrediction& prediction
         return;
     const auto kind = static_cast<std::size_t>(prediction.transform);
     const int context = transform_context(prediction.mode, block.shape);
-    const bool has_symbol = context >= 0 && trial_.planes[0].coded_length != 0;
+    const bool has_symbol = context >= 0 && blocks_.has_transform_symbol(trial_);
     if (has_symbol)
         cost += bits_cost(costs_.transform[static_cast<std::size_t>(context)][kind]);
     else if (prediction.transform != BlockTransform::cosine)
@@ -203,9 +203,11 @@ void PictureEncoder::compare_luma(const Block& block) {
         candidate.mode = static_cast<BorderMode>(mode);
         candidate.slot = free_slot;
         BlockCoefficients& coefficients = slots_[free_slot];
-        find_difference(block, candidate.mode, 0);
-        transform(block, from_border(candidate.mode), 0, coefficients);
-        candidate.luma = search_.estimate(coefficients, 0, 1, 0);
+        for (int plane = 0; plane < first_planes(); ++plane) {
+            find_difference(block, candidate.mode, plane);
+            transform(block, from_border(candidate.mode), plane, coefficients);
+        }
+        candidate.luma = search_.estimate(coefficients, 0, first_planes(), 0);
         candidate.cost = candidate.luma + mode_cost(block, candidate.mode);
         // Ties go to the first mode, the same on every platform.
         of_luma_.insert(std::ranges::upper_bound(of_luma_, candidate.cost, {}, &Candidate::cost),
@@ -235,11 +237,12 @@ void PictureEncoder::find_candidates(const Block& block) {
         if (candidates_.size() == wanted && candidate.cost >= candidates_.back().cost)
             break;
         BlockCoefficients& coefficients = slots_[candidate.slot];
-        for (int plane = 1; plane < coding_.planes; ++plane) {
+        for (int plane = first_planes(); plane < coding_.planes; ++plane) {
             find_difference(block, candidate.mode, plane);
             transform(block, from_border(candidate.mode), plane, coefficients);
         }
-        candidate.estimate = search_.estimate(coefficients, 1, coding_.planes, candidate.luma);
+        candidate.estimate =
+            search_.estimate(coefficients, first_planes(), coding_.planes, candidate.luma);
         candidate.cost = candidate.estimate + mode_cost(block, candidate.mode);
         candidates_.insert(
             std::ranges::upper_bound(candidates_, candidate.cost, {}, &Candidate::cost), candidate);

@@ -48,11 +48,13 @@ private:
     struct Candidate {
         BorderMode mode = mode_none;
         std::size_t slot = 0;
-        float luma = 0;     // estimated cost of the first plane,
+        float luma = 0;     // estimated cost of the first planes,
         float estimate = 0; // ... of all planes,
         float cost = 0;     // ... and of the mode as well, as far as the planes are known
     };
     void find_candidates(const Block& block);
+    // The planes by which modes are compared first: two channels weigh the same.
+    int first_planes() const { return coding_.planes == 2 ? 2 : 1; }
     void compare_luma(const Block& block);
     void find_difference(const Block& block, BorderMode mode, int plane);
     void transform(const Block& block, const BlockPrediction& prediction, int plane,

@@ -217,7 +217,7 @@ void TreeEncoder::encode_again(const TileLevels& tile, TilePlanes& result, MeanD
         };
         encode();
         if (prediction.transform != BlockTransform::cosine &&
-            trial_.planes[0].coded_length == 0) { // a decoder would take cosines
+            !blocks_.has_transform_symbol(trial_)) {
             prediction.transform = BlockTransform::cosine;
             out.predictions[i] = prediction;
             encode();

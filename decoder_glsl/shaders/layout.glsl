@@ -72,7 +72,8 @@ const int tsr_t_smooth = 19;           // 1: smooth copies
 const int tsr_t_filtered = 20;         // 1: the file has a filter
 const int tsr_t_base_pictures = 21;    // 1: tiles may have a base picture
 const int tsr_t_base_margin = 22;      // texels
-const int tsr_t_fields = 23;           // number of these words
+const int tsr_t_any_plane = 23;        // 1: transform symbols also follow planes 1 to 3
+const int tsr_t_fields = 24;           // number of these words
 
 // Probability tables hold the starts of their symbols in pairs, c[1] | c[2] << 16 and so on, padded
 // with 4096: one word where there are at most three symbols, two where there are at most five, and

@@ -205,7 +205,8 @@ void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
         tsr_take_share(w, last != 0u ? -length : length);
     if (has_colour)
         tsr_take_kind(w, kind, last);
-    if (w.plane == 0 && w.size > 0 && w.shares_left == 0)
+    bool may_follow = w.plane == 0 || (tsr_table(tsr_t_any_plane) != 0u && w.cross_words == 0u);
+    if (may_follow && w.size > 0 && w.shares_left == 0)
         tsr_take_transform(w);
 }
 

@@ -160,10 +160,16 @@ bool has_geometry(const Description& d) {
 } // namespace
 
 std::string feature_name(unsigned bit) {
-    constexpr const char* names[] = {
-        "coarse levels",           "corrections",  "quality layers", "colour rotation per leaf",
-        "prediction inside tiles", "stored tiles", "aligned views",  "layers",
-        "axes without a transform"};
+    constexpr const char* names[] = {"coarse levels",
+                                     "corrections",
+                                     "quality layers",
+                                     "colour rotation per leaf",
+                                     "prediction inside tiles",
+                                     "stored tiles",
+                                     "aligned views",
+                                     "layers",
+                                     "axes without a transform",
+                                     "transforms of blocks without a first plane"};
     return bit < std::size(names) ? names[bit] : "bit " + std::to_string(bit);
 }
 

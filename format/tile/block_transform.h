@@ -69,8 +69,13 @@ constexpr PlainScale plain_scale(AxisTransforms axes, const BlockShape& shape) {
 
 constexpr int max_sine_side = 32; // of a block with a transform symbol
 
-// The context of the transform symbol of a block whose first plane is not empty, or -1 if the block
-// has no symbol.
+// Whether a block's transform symbol follows the length of this plane, which is above 0. is_first: the
+// planes before are empty. any_plane: see CodingParameters::transforms_any_plane.
+constexpr bool is_before_transform(int plane, bool is_first, bool any_plane) {
+    return any_plane ? is_first : plane == 0;
+}
+
+// The context of a block's transform symbol, or -1 if such a block has none.
 constexpr int transform_context(BorderMode mode, const BlockShape& shape) {
     const int side = std::max(shape.n[0], shape.n[1]);
     if (mode == mode_none || side > max_sine_side)

@@ -13,7 +13,7 @@ namespace {
 constexpr unsigned rotation_flag = 1, prediction_flag = 2, dependent_flag = 4, smooth_flag = 8,
                    filter_flag = 16, base_flag = 32, v_against_u_flag = 64, weights_flag = 128,
                    differences_flag = 256, pictures_flag = 512, no_transform_flag = 1024,
-                   known_flags = 2047;
+                   any_plane_flag = 2048, known_flags = 4095;
 
 // The probabilities with which the differences from the defaults are coded, which the writer fits
 // to them: that a difference is 0 after a difference of 0, that it is 0 after another difference,
@@ -90,7 +90,8 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding, i
             (coding.base.v_against_u ? v_against_u_flag : 0) | (weights ? weights_flag : 0) |
             (differs ? differences_flag : 0) |
             (coding.defaults == DefaultSet::pictures ? pictures_flag : 0) |
-            (coding.leaves_out_transforms ? no_transform_flag : 0),
+            (coding.leaves_out_transforms ? no_transform_flag : 0) |
+            (coding.transforms_any_plane ? any_plane_flag : 0),
         2);
     for (int plane = 0; plane < planes; ++plane)
         put(coding.step[static_cast<std::size_t>(plane)].bits, 2);
@@ -173,6 +174,9 @@ Status read_flags(unsigned flags, CodingParameters& coding) {
     coding.leaves_out_transforms = (flags & no_transform_flag) != 0;
     if (coding.leaves_out_transforms && !coding.prediction)
         return bad_section("axes without a transform, but no predictions");
+    coding.transforms_any_plane = (flags & any_plane_flag) != 0;
+    if (coding.transforms_any_plane && !coding.prediction)
+        return bad_section("transforms of blocks without a first plane, but no predictions");
     coding.base.on = (flags & base_flag) != 0;
     coding.base.v_against_u = (flags & v_against_u_flag) != 0;
     if (coding.base.on ? !coding.prediction : coding.base.v_against_u)
@@ -285,7 +289,8 @@ Result<CodingParameters> with_coarser_steps(CodingParameters coding, unsigned st
 
 std::uint64_t features_of(const CodingParameters& coding) {
     return (coding.prediction ? feature_prediction : 0) |
-           (coding.leaves_out_transforms ? feature_no_transform : 0);
+           (coding.leaves_out_transforms ? feature_no_transform : 0) |
+           (coding.transforms_any_plane ? feature_any_plane : 0);
 }
 
 Status check_features(const CodingParameters& coding, std::uint64_t required_features) {
@@ -296,6 +301,9 @@ Status check_features(const CodingParameters& coding, std::uint64_t required_fea
     if ((differs & feature_no_transform) != 0)
         return {ErrorCode::invalid_file, "section CODE and the header disagree about axes without "
                                          "a transform (required feature 8)"};
+    if ((differs & feature_any_plane) != 0)
+        return {ErrorCode::invalid_file, "section CODE and the header disagree about transforms of "
+                                         "blocks without a first plane (required feature 9)"};
     if (coding.prediction && (required_features & feature_corrections) != 0)
         return {ErrorCode::invalid_file, "a file cannot have both prediction and corrections"};
     return {};

@@ -25,10 +25,13 @@ struct CodingParameters {
     bool colour_rotation = false;            // blocks have colour symbols (3 or 4 planes)
     bool prediction = false;                 // blocks have prediction symbols (required feature 4)
     bool leaves_out_transforms = false; // of axes of blocks (required feature 8); with prediction
-    bool smooth_copies = false;         // copies use the smooth filter of 4.6; only with prediction
-    BasePictures base;                  // only with prediction
-    TileFilter filter;                  // of decoded tiles
-    bool dependent = false;             // dependent quantisation, see format/tile/code_tables.h
+    // A block's transform symbol follows the length of its first plane that has one, not that of plane
+    // 0 (required feature 9); with prediction.
+    bool transforms_any_plane = false;
+    bool smooth_copies = false; // copies use the smooth filter of 4.6; only with prediction
+    BasePictures base;          // only with prediction
+    TileFilter filter;          // of decoded tiles
+    bool dependent = false;     // dependent quantisation, see format/tile/code_tables.h
     std::array<ReconstructionOffsets, plane_classes> offsets{};
     ScanWeights scan_weights = default_scan_weights;
     std::uint16_t correction_error = 0;      // E of FORMAT.md 3.6, in sample codes

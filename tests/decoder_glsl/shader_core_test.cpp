@@ -235,6 +235,7 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
             std::make_unique<ShaderOracle>(empty_file(file.desc, file.tile, parameters, true)));
         parameters.prediction = true;
         parameters.leaves_out_transforms = number % 3 != 0;
+        parameters.transforms_any_plane = number % 2 == 1;
         parameters.smooth_copies = number % 4 >= 2;
         parameters.base = {.on = number % 2 == 0, .margin = 3, .v_against_u = number % 4 == 0};
         files.push_back(

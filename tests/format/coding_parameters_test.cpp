@@ -40,6 +40,7 @@ CodingParameters random_coding_parameters(Random& random, double changed) {
     coding.prediction = random.chance(0.5);
     coding.smooth_copies = coding.prediction && random.chance(0.5);
     coding.leaves_out_transforms = coding.prediction && random.chance(0.5);
+    coding.transforms_any_plane = coding.prediction && random.chance(0.5);
     if (coding.prediction && random.chance(0.5))
         coding.base = {.on = true,
                        .margin = static_cast<std::uint8_t>(random.range(0, max_base_margin)),
@@ -97,6 +98,7 @@ TEST(CodingParameters, RoundTrip) {
         EXPECT_EQ(got->prediction, want.prediction);
         EXPECT_EQ(got->smooth_copies, want.smooth_copies);
         EXPECT_EQ(got->leaves_out_transforms, want.leaves_out_transforms);
+        EXPECT_EQ(got->transforms_any_plane, want.transforms_any_plane);
         EXPECT_EQ(got->base, want.base);
         EXPECT_EQ(got->dependent, want.dependent);
         EXPECT_EQ(got->filter, want.filter);
@@ -219,7 +221,7 @@ TEST(CodingParameters, AcceptsTheLargestOffsetsAndAllFlags) {
     constexpr std::size_t offsets = 12, flags = 0; // after 5 steps
     CodingParameters coding;
     coding.colour_rotation = coding.prediction = coding.dependent = coding.smooth_copies = true;
-    coding.leaves_out_transforms = true;
+    coding.leaves_out_transforms = coding.transforms_any_plane = true;
     coding.base = {.on = true, .margin = 1, .v_against_u = true};
     coding.filter.ring[1][2] = {-127, 255};
     Bytes bytes = write_all(coding);
@@ -228,7 +230,7 @@ TEST(CodingParameters, AcceptsTheLargestOffsetsAndAllFlags) {
     const Bytes all = write_all(coding);
     EXPECT_TRUE(read_all(all));
     EXPECT_EQ(all[flags], std::byte{255});
-    EXPECT_EQ(all[flags + 1], std::byte{5});
+    EXPECT_EQ(all[flags + 1], std::byte{13});
     for (std::size_t i = offsets; i < offsets + 4; ++i) {
         bytes[i] = std::byte{32};
         EXPECT_FALSE(read_all(bytes));

@@ -22,6 +22,7 @@ std::vector<Bytes> seeds() {
     changed.colour_rotation = true;
     changed.prediction = true;
     changed.leaves_out_transforms = true;
+    changed.transforms_any_plane = true;
     changed.smooth_copies = true;
     changed.base = {.on = true, .margin = 4, .v_against_u = true};
     changed.dependent = true;

@@ -46,6 +46,7 @@ CodingParameters parameters_of(unsigned setting, bool predictions) {
     parameters.colour_rotation = setting % 4 >= 2;
     parameters.prediction = predictions;
     parameters.leaves_out_transforms = predictions && setting % 3 != 0;
+    parameters.transforms_any_plane = predictions && setting % 2 == 1;
     parameters.smooth_copies = predictions && setting % 3 == 1;
     if (predictions && setting % 2 == 0)
         parameters.base = {

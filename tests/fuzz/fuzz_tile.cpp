@@ -39,6 +39,7 @@ const std::vector<Setting>& settings() {
             CodingParameters parameters;
             parameters.prediction = i >= 8;
             parameters.leaves_out_transforms = i == 8 || i == 11;
+            parameters.transforms_any_plane = i == 8 || i == 10;
             parameters.smooth_copies = i == 9;
             if (i >= 9)
                 parameters.base = {

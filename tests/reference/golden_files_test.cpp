@@ -101,6 +101,12 @@ void regenerate_golden() {
         return 0.3 + 0.1 * u + (is_bright ? 0.2 + 0.1 * c : 0.0);
     });
     write("picture8_plain.tess", dots, {Kind::quality, 60}, {96, 64, 1, 1}, most_effort);
+    // Lines that the second channel alone shows, so that its transforms follow no first plane.
+    CodeTexture lines({{96, 64, 1, 1}, unorm8, 2}, [](double u, double v, double, double, int c) {
+        const int x = static_cast<int>(96 * u), y = static_cast<int>(64 * v);
+        return 0.5 + (c == 0 ? 0.1 * (x > 60 && x % 7 == 3) : 0.15 * (y % 9 == 4) - 0.1 * v);
+    });
+    write("picture8_pair.tess", lines, {Kind::quality, 60}, {96, 64, 1, 1}, most_effort);
     CodeTexture bright({{40, 33, 1, 1}, half16, 4}, [](double u, double v, double, double, int c) {
         return c == 3 ? v : 40 * test::moving_picture(20 * u, 16 * v, c) - 12;
     });
@@ -128,7 +134,7 @@ TEST(GoldenFiles, DecodeToTheFrozenTexels) {
         EXPECT_EQ(specification.metadata.count("Title"), 1u) << name;
         ++count;
     }
-    EXPECT_EQ(count, 18);
+    EXPECT_EQ(count, 19);
 }
 
 } // namespace

@@ -136,14 +136,19 @@ public:
     }
     // The coefficient `magnitude` (1..4) of a block with one coefficient, and empty other planes.
     HandMadeTile& coefficient(int texels, int magnitude) {
-        const int size = size_class(shape_of(texels, 1, 1, 1));
-        coder_.bit(true,
-                   tables_.zero[static_cast<std::size_t>(zero_parameter(false, 0, 0, 0, size, 0))]);
-        tables_.magnitude[static_cast<std::size_t>(magnitude_table(false, 0, 0, true, size, 0))]
-            .encode(coder_, magnitude - 1);
-        coder_.raw(0, 1);
+        first_coefficient(texels, 0, magnitude);
         for (int plane = 1; plane < desc_.channels; ++plane)
             tables_.other_length[1].encode(coder_, 0);
+        return *this;
+    }
+    // The length 1 of plane 1 behind an empty plane 0, and the coefficient that follows it.
+    HandMadeTile& second_plane(int texels) {
+        first_length(texels, 0);
+        tables_.other_length[0].encode(coder_, 1);
+        return *this;
+    }
+    HandMadeTile& second_coefficient(int texels, int magnitude) {
+        first_coefficient(texels, 1, magnitude);
         return *this;
     }
     // A block without coefficients.
@@ -186,6 +191,16 @@ private:
     void first_length(int texels, int token) {
         const int context = length_context(shape_of(texels, 1, 1, 1), false);
         tables_.first_length[static_cast<std::size_t>(context)].encode(coder_, token);
+    }
+
+    void first_coefficient(int texels, int plane, int magnitude) {
+        const int size = size_class(shape_of(texels, 1, 1, 1));
+        coder_.bit(
+            true,
+            tables_.zero[static_cast<std::size_t>(zero_parameter(false, 0, plane, 0, size, 0))]);
+        tables_.magnitude[static_cast<std::size_t>(magnitude_table(false, 0, plane, true, size, 0))]
+            .encode(coder_, magnitude - 1);
+        coder_.raw(0, 1);
     }
 
     const CodingParameters& parameters_;
@@ -447,6 +462,27 @@ TEST(ForgedPictures, NoTransform) {
     EXPECT_FALSE(tile.split(0).empty_block(16).is_accepted("flag 10 without flag 1"));
 }
 
+// With flag 11 the symbol follows the first plane that has a length, and there is only one of them.
+TEST(ForgedPictures, TransformOfAnyPlane) {
+    CodingParameters parameters;
+    parameters.prediction = parameters.transforms_any_plane = true;
+    for (StepCode& step : parameters.step)
+        step.bits = 9 << 11;
+    const TextureDesc two{{8, 8, 1, 1}, SampleType::unorm8, 2};
+    std::set<Bytes> outcomes;
+    for (int symbol = 0; symbol < usual_transform_kinds; ++symbol) {
+        HandMadeTile tile(parameters, two);
+        tile.split(0).mode(0, 1).second_plane(64).transform(3, symbol).second_coefficient(64, 3);
+        const Outcome outcome = tile.outcome("second plane");
+        EXPECT_TRUE(outcome.accepted);
+        outcomes.insert(outcome.texels);
+    }
+    EXPECT_EQ(outcomes.size(), std::size_t{usual_transform_kinds});
+    parameters.prediction = false;
+    HandMadeTile tile(parameters, two);
+    EXPECT_FALSE(tile.split(0).empty_block(64).is_accepted("flag 11 without flag 1"));
+}
+
 // Random bytes in place of a tile. Both decoders must end without a crash and agree.
 TEST(ForgedPictures, RandomBytes) {
     Random random(11);
@@ -458,6 +494,7 @@ TEST(ForgedPictures, RandomBytes) {
             parameters.prediction = true;
             parameters.colour_rotation = random.chance(0.5);
             parameters.leaves_out_transforms = random.chance(0.5);
+            parameters.transforms_any_plane = random.chance(0.5);
             parameters.base.on = random.chance(0.5);
             parameters.base.margin = static_cast<std::uint8_t>(random.range(0, 31));
             parameters.dependent = random.chance(0.5);

@@ -235,6 +235,7 @@ void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t
         Block& block = blocks_[number];
         const int texels = product(block.size);
         int first_token = 0;
+        bool has_length = false; // of a plane before
         for (int plane = 0; plane < header_.channels; ++plane) {
             // 1. The length token.
             int k = 0;
@@ -261,8 +262,9 @@ void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t
                 read_colour(stream, block, colours);
 
             // 3. The transform.
-            if (plane == 0 && length > 0)
+            if (length > 0 && (code_.transforms_any_plane ? !has_length : plane == 0))
                 read_transform(stream, block);
+            has_length = has_length || length > 0;
 
             // 4. The coefficients.
             read_plane(stream, block, plane, length);

@@ -60,16 +60,18 @@ Code read_code(Bytes section, const Header& header) {
     };
     Code code;
     const int flags = next_u16();
-    require(flags <= 2047, "CODE: flags");
+    require(flags <= 4095, "CODE: flags");
     code.has_colour_symbols = flags & 1;
     code.has_predictions = flags >> 1 & 1;
     code.leaves_out_transforms = flags & 1024;
+    code.transforms_any_plane = flags & 2048;
     code.dependent = flags & 4;
     code.smooth_copies = flags & 8;
     code.v_against_u = flags & 64;
     require(code.has_predictions || !code.smooth_copies, "CODE: flag 3 without flag 1");
     require(code.has_predictions || !(flags & 32), "CODE: flag 5 without flag 1");
     require(code.has_predictions || !code.leaves_out_transforms, "CODE: flag 10 without flag 1");
+    require(code.has_predictions || !code.transforms_any_plane, "CODE: flag 11 without flag 1");
     require((flags & 32) || !code.v_against_u, "CODE: flag 6 without flag 5");
 
     for (int plane = 0; plane < header.channels; ++plane)

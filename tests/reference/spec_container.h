@@ -34,6 +34,7 @@ struct Header {
     bool is_aligned() const { return required_features >> 6 & 1; }
     bool has_stored_tiles() const { return required_features >> 5 & 1; }
     bool leaves_out_transforms() const { return required_features >> 8 & 1; }
+    bool transforms_any_plane() const { return required_features >> 9 & 1; }
     bool has_layers() const { return required_features >> 7 & 1; }
 };
 

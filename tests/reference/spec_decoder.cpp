@@ -106,6 +106,8 @@ Decoded decode_file(Bytes file) {
     require(code.has_predictions == header.has_predictions(), "CODE: flag 1 and feature 4");
     require(code.leaves_out_transforms == header.leaves_out_transforms(),
             "CODE: flag 10 and feature 8");
+    require(code.transforms_any_plane == header.transforms_any_plane(),
+            "CODE: flag 11 and feature 9");
     const std::vector<Bytes> tiles = read_tiles(file, header, sections, levels);
 
     std::copy(header.size.begin(), header.size.end(), result.size);

@@ -107,6 +107,7 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     parameters.colour_rotation = channels >= 3;
     parameters.prediction = copies > 0;
     parameters.leaves_out_transforms = copies > 0 && seed % 3 == 1;
+    parameters.transforms_any_plane = copies > 0 && seed % 5 >= 3;
     parameters.smooth_copies = copies > 0 && seed % 4 >= 2;
     if (copies > 0 && seed % 8 < 4)
         parameters.base = {.on = true,

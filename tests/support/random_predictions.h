@@ -8,6 +8,7 @@
 #include "tests/support/random_tile.h"
 
 #include <algorithm>
+#include <span>
 
 namespace tessera::test {
 
@@ -16,10 +17,10 @@ namespace tessera::test {
 // format allows.
 class RandomPredictions {
 public:
-    // kinds: of transforms.
+    // kinds: of transforms. any_plane: see CodingParameters::transforms_any_plane.
     RandomPredictions(Random& random, double chance, const BasePictures& base = {},
-                      int kinds = usual_transform_kinds)
-        : random_(random), chance_(chance), base_(base), kinds_(kinds) {}
+                      int kinds = usual_transform_kinds, bool any_plane = false)
+        : random_(random), chance_(chance), base_(base), kinds_(kinds), any_plane_(any_plane) {}
 
     // `base` becomes the tile's base picture and is a tile itself. If it is empty, the tile has
     // none.
@@ -58,7 +59,10 @@ private:
             picture.blocks.empty() ? 0 : picture.planes.size() / picture.blocks.size();
         for (std::size_t i = 0; i < picture.blocks.size(); ++i) {
             BlockPrediction& prediction = picture.predictions[i];
-            if (picture.planes[i * planes].coded_length > 0 &&
+            const auto has_length = [](const PlaneLevels& plane) { return plane.coded_length > 0; };
+            if (std::ranges::any_of(
+                    std::span(picture.planes).subspan(i * planes, any_plane_ ? planes : 1),
+                    has_length) &&
                 transform_context(prediction.mode, picture.blocks[i].shape) >= 0)
                 prediction.transform = static_cast<BlockTransform>(random_.range(0, kinds_ - 1));
         }
@@ -96,6 +100,7 @@ private:
     const double chance_;
     const BasePictures base_;
     const int kinds_;
+    const bool any_plane_;
     int last_base_ = 0;
     BorderMode last_mode_ = mode_mean;
     Displacement last_;
@@ -115,7 +120,8 @@ inline TileLevels random_predicted_tile(Random& random, const TileCoding& coding
         base.clear();
     RandomPredictions(random, chance, pictures,
                       coding.parameters.leaves_out_transforms ? transform_kinds
-                                                              : usual_transform_kinds)
+                                                              : usual_transform_kinds,
+                      coding.parameters.transforms_any_plane)
         .add_to(tile, base);
     return tile;
 }
