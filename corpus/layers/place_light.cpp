@@ -137,11 +137,12 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer, const Dis
     const auto point_at = [&](PathRandom& random) {
         return open_.smooth_place(places, u, v, random.next2()).point;
     };
-    const std::uint64_t shadows = mix_bits(options.seed + shadow_paths);
     std::vector<double> seen(lights.count(), 0.0);
     const unsigned rays = rays_per_light(options, lights.count());
+    // Rays that all texels shared would miss the same parts of a light everywhere.
+    const TexelPaths shadows(mix_bits(options.seed + shadow_paths), rays, u, v);
     for (unsigned i = 0; i < rays; ++i) {
-        PathRandom random(shadows, i);
+        PathRandom random = shadows[i];
         const LitPoint point = point_at(random);
         for (std::size_t j = 0; j < lights.count(); ++j) {
             const DistantLights::Sample sample = lights.sample(j, random.next2());
