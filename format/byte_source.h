@@ -12,6 +12,10 @@
 
 namespace TESSERA_PUBLIC tessera {
 
+// Size of a reader's first read, which brings the whole head of most files. A source that must fetch
+// bytes to open fetches these.
+inline constexpr std::size_t first_read_bytes = 8192;
+
 // One of several ranges to read together: out.size() bytes that begin at `offset`.
 struct ReadRequest {
     std::uint64_t offset = 0; // bytes from the start of the source
@@ -34,6 +38,8 @@ public:
     // Whether each read has a high fixed cost, such as a round trip through a network. Readers then
     // request many ranges at once, and before they need them.
     virtual bool wants_prefetch() const { return false; }
+    // How many bytes to read when the file is opened.
+    virtual std::uint64_t opening_bytes() const { return first_read_bytes; }
     // For messages: the file's path, or "<memory>".
     virtual std::string name() const = 0;
 };
@@ -84,9 +90,6 @@ std::unique_ptr<ByteSource> read_ahead(ByteSource& inner);
 // The rest of this header is for authors of network sources. A request costs a round trip, so
 // ranges close to each other are fetched with one request, together with the bytes between them.
 
-// Size of a reader's first read, which brings the whole head of most files. A source that must fetch
-// bytes to open fetches these.
-inline constexpr std::size_t first_read_bytes = 8192;
 // Ranges at most this many bytes apart are always merged. With six requests in flight, a request
 // costs at most as much as the bytes of a sixth of a round trip: 5 KB at 20 ms and 1.6 MB/s.
 inline constexpr std::uint64_t near_bytes = 4096;

@@ -77,6 +77,10 @@ struct Layers {
 // The bytes of a layer as a file of its own, which Decoder::open() opens. `file` is the source that
 // the layers were read from, and must outlive the result. Thread-safe if `file` is.
 std::unique_ptr<ByteSource> layer_bytes(ByteSource& file, const LayerInfo& layer);
+// The same for all further layers. If the source wants prefetching, what opening them needs is read
+// together now. Errors: io, runtime (interrupted).
+Result<std::vector<std::unique_ptr<ByteSource>>> bytes_of_layers(ByteSource& file,
+                                                                 const Layers& layers);
 
 // A file of one texture that becomes a layer.
 struct LayerFile {

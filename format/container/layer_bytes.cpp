@@ -5,15 +5,34 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <utility>
 
 namespace tessera {
 namespace {
 
+// Bound on the beginnings of layers that are read together.
+constexpr std::uint64_t most_beginning_bytes = std::uint64_t{1} << 20;
+
+// The beginnings of all layers, which lie side by side, if they have been read together.
+struct Beginnings {
+    std::uint64_t offset = 0; // in the file of all layers
+    std::vector<std::byte> bytes;
+
+    // The bytes from there on, as many as are here.
+    std::span<const std::byte> from(std::uint64_t begin) const {
+        return begin < offset ? std::span<const std::byte>()
+                              : std::span(bytes).subspan(static_cast<std::size_t>(
+                                    std::min<std::uint64_t>(begin - offset, bytes.size())));
+    }
+};
+
 // The file of a layer, whose beginning and data lie apart in the file of all layers.
 class LayerBytes final : public ByteSource {
 public:
-    LayerBytes(ByteSource& file, const LayerInfo& layer)
-        : file_(file), layer_(layer), name_(file.name() + ", layer " + name_of(layer.role)) {}
+    LayerBytes(ByteSource& file, const LayerInfo& layer, std::shared_ptr<const Beginnings> read)
+        : file_(file), layer_(layer), read_(std::move(read)),
+          name_(file.name() + ", layer " + name_of(layer.role)) {}
 
     // As many bytes as are there, if the end of the file of all layers is missing.
     std::uint64_t size() const override {
@@ -38,7 +57,10 @@ public:
                 layer_.beginning_bytes - std::min(request.offset, layer_.beginning_bytes);
             const auto first =
                 static_cast<std::size_t>(std::min<std::uint64_t>(left, request.out.size()));
-            if (first > 0)
+            const auto here = read_->from(layer_.beginning_offset + request.offset);
+            if (first <= here.size())
+                std::ranges::copy(here.first(first), request.out.begin());
+            else
                 parts.push_back(
                     {layer_.beginning_offset + request.offset, request.out.first(first)});
             if (first < request.out.size())
@@ -46,7 +68,10 @@ public:
                     {layer_.data_offset + (request.offset + first) - layer_.beginning_bytes,
                      request.out.subspan(first)});
         }
-        return file_.read_many(parts);
+        return parts.empty() ? Status() : file_.read_many(parts);
+    }
+    std::uint64_t opening_bytes() const override {
+        return std::min<std::uint64_t>(layer_.beginning_bytes, first_read_bytes);
     }
     bool wants_prefetch() const override { return file_.wants_prefetch(); }
     std::string name() const override { return name_; }
@@ -54,8 +79,21 @@ public:
 private:
     ByteSource& file_;
     LayerInfo layer_;
+    std::shared_ptr<const Beginnings> read_;
     std::string name_;
 };
+
+Result<Beginnings> read_beginnings(ByteSource& file, const Layers& layers) {
+    Beginnings read;
+    if (!layers.any() || !file.wants_prefetch())
+        return read;
+    read.offset = layers.further.front().beginning_offset;
+    const std::uint64_t present = file.size() - std::min(read.offset, file.size());
+    read.bytes.resize(static_cast<std::size_t>(
+        std::min({layers.data_offset - read.offset, present, most_beginning_bytes})));
+    TESSERA_TRY(file.read(read.offset, read.bytes));
+    return read;
+}
 
 // A file of one texture, cut where its DATA begins.
 struct CutFile {
@@ -109,7 +147,17 @@ std::vector<std::byte> first_beginning(const CutFile& first, std::span<const std
 } // namespace
 
 std::unique_ptr<ByteSource> layer_bytes(ByteSource& file, const LayerInfo& layer) {
-    return std::make_unique<LayerBytes>(file, layer);
+    return std::make_unique<LayerBytes>(file, layer, std::make_shared<const Beginnings>());
+}
+
+Result<std::vector<std::unique_ptr<ByteSource>>> bytes_of_layers(ByteSource& file,
+                                                                 const Layers& layers) {
+    TESSERA_TRY_ASSIGN(Beginnings read, read_beginnings(file, layers));
+    const auto shared = std::make_shared<const Beginnings>(std::move(read));
+    std::vector<std::unique_ptr<ByteSource>> sources;
+    for (const LayerInfo& layer : layers.further)
+        sources.push_back(std::make_unique<LayerBytes>(file, layer, shared));
+    return sources;
 }
 
 Result<std::vector<std::byte>> join_layers(std::span<const std::byte> first, float scale,

@@ -11,9 +11,11 @@ Result<std::vector<OpenLayerFile>> open_layers(ByteSource& file, const Container
         TESSERA_TRY(
             check_layer(LayerRole::diffuse, first.desc(), first.description(), layers.lights.size())
                 .with_context(first.name()));
+    TESSERA_TRY_ASSIGN(auto sources, bytes_of_layers(file, layers));
     std::vector<OpenLayerFile> open;
-    for (const LayerInfo& info : layers.further) {
-        OpenLayerFile layer{info, layer_bytes(file, info), nullptr};
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+        const LayerInfo& info = layers.further[i];
+        OpenLayerFile layer{info, std::move(sources[i]), nullptr};
         TESSERA_TRY_ASSIGN(Decoder decoder, Decoder::open(*layer.bytes, options));
         layer.decoder = std::make_unique<Decoder>(std::move(decoder));
         const ContainerReader& container = layer.decoder->container();

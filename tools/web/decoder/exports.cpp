@@ -17,8 +17,6 @@ namespace {
 // Bound on the result of a call. A 32-bit address space must also hold the decoder's working
 // memory.
 constexpr std::uint64_t most_result_bytes = std::uint64_t{1} << 30;
-// Bound on the beginnings of layers that are fetched together.
-constexpr std::uint64_t most_beginning_bytes = std::uint64_t{1} << 20;
 
 // Uninitialised memory for a result. Errors: over_budget.
 Result<std::span<std::byte>> room_for(std::uint64_t bytes) {
@@ -41,31 +39,8 @@ Status open() {
     return {};
 }
 
-// Reads what opening the layers will read: their beginnings, which lie side by side, and the first
-// bytes of their data. One call lists all missing bytes.
-Status bring_beginnings(const Layers& layers) {
-    std::vector<std::vector<std::byte>> room;
-    std::vector<ReadRequest> requests;
-    const auto add = [&](std::uint64_t offset, std::uint64_t length) {
-        const std::uint64_t present = file.bytes->size() - std::min(offset, file.bytes->size());
-        room.emplace_back(
-            static_cast<std::size_t>(std::min({length, present, most_beginning_bytes})));
-        requests.push_back({offset, room.back()});
-    };
-    const std::uint64_t begin = layers.further.front().beginning_offset;
-    add(begin, layers.data_offset - begin);
-    for (const LayerInfo& layer : layers.further)
-        add(layer.data_offset,
-            std::min(first_read_bytes -
-                         std::min<std::uint64_t>(first_read_bytes, layer.beginning_bytes),
-                     layer.data_bytes));
-    return file.bytes->read_many(requests);
-}
-
 Status open_further() {
     const ContainerReader& first = file.first->container();
-    if (first.layers().any() && first.wants_prefetch())
-        TESSERA_TRY(bring_beginnings(first.layers()));
     TESSERA_TRY_ASSIGN(file.layers, open_layers(*file.bytes, first, file.options));
     return {};
 }
