@@ -40,6 +40,12 @@ Mirror mirror_of(const Model& model, const ModelMaterial& m) {
             m.roughness * mean_of(model, texture, 1)};
 }
 
+bool has_lamps(const Model& model) {
+    return std::ranges::any_of(model.triangles, [&](const ModelTriangle& triangle) {
+        return model.materials[triangle.material].emission != glm::dvec3(0.0);
+    });
+}
+
 } // namespace
 
 bool reflects_sharply(const Model& model) {
@@ -57,11 +63,11 @@ bool reflects_sharply(const Model& model) {
     return sharp > least_share * all;
 }
 
-ReflectionLayout reflection_layout(double texels, bool sharp) {
-    ReflectionLayout layout;
-    if (!sharp)
-        return layout;
-    layout = {.texel = 2, .directions = 24, .fewer_paths = 4};
+ReflectionLayout reflection_layout(const Model& model, double texels) {
+    if (!reflects_sharply(model))
+        return has_lamps(model) ? ReflectionLayout{.directions = 16, .fewer_paths = 2}
+                                : ReflectionLayout();
+    ReflectionLayout layout{.texel = 2, .directions = 24, .fewer_paths = 4};
     while (texels > most_places * layout.texel * layout.texel)
         layout.texel *= 2;
     return layout;

@@ -19,7 +19,7 @@ struct ReflectionLayout {
     unsigned fewer_paths = 1; // per texel, because neighbours in more directions share noise
 };
 
-// For finest layers of so many texels.
-ReflectionLayout reflection_layout(double texels, bool sharp);
+// For finest layers of so many texels. A model that emits light shows its lamps in its reflections.
+ReflectionLayout reflection_layout(const Model& model, double texels);
 
 } // namespace tessera::corpus

@@ -90,7 +90,8 @@ Status OpenContainer::load_header(const OpenOptions& options, ContainerRule& rul
     if (size < header_bytes)
         return invalid("the file has " + std::to_string(size) + " bytes, too few for a header");
     rule = ContainerRule::readable;
-    head_.resize(static_cast<std::size_t>(std::min(size, std::max<std::uint64_t>(source_->opening_bytes(), header_bytes))));
+    head_.resize(static_cast<std::size_t>(
+        std::min(size, std::max<std::uint64_t>(source_->opening_bytes(), header_bytes))));
     TESSERA_TRY(source_->read(0, head_));
 
     rule = ContainerRule::identifier;

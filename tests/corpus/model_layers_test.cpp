@@ -324,7 +324,6 @@ TEST(ModelLayers, SmoothSurfacesMirrorTheEnvironment) {
     EXPECT_TRUE(environment_lobes(std::span(material).first(1)).empty());
 }
 
-// A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one keeps.
 TEST(ModelLayers, SharpReflectionsGetMorePlacesAndDirections) {
     Model model = cube_model();
     model.materials[0].metal = 1.0;
@@ -353,6 +352,16 @@ TEST(ModelLayers, SharpReflectionsGetMorePlacesAndDirections) {
     EXPECT_TRUE(reflects_sharply(model));
 }
 
+// Lamps have edges in reflections that are not sharp, too.
+TEST(ModelLayers, ReflectionsOfModelsWithLampsHaveMoreDirections) {
+    Model model = cube_model();
+    EXPECT_EQ(reflection_layout(model, 1000).directions, 8u);
+    model.materials[0].emission = glm::dvec3(0.0, 2.0, 0.0);
+    EXPECT_EQ(reflection_layout(model, 1000).directions, 16u);
+    EXPECT_EQ(reflection_layout(model, 1000).texel, ReflectionLayout().texel);
+}
+
+// A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one keeps.
 TEST(EnvironmentLayer, LobesBlurTheEnvironment) {
     const auto light_at = [](const LayerTexture& layer, std::size_t texel) {
         const double root = srgb_to_linear(std::to_integer<int>(layer.texels[3 * texel]) / 255.0);
