@@ -53,8 +53,12 @@ private:
     double known_cost_ = 0;
 };
 
+BlockShape shape_of_tiles(const EncodePlan& plan) {
+    return tile_shape(Box4::whole(plan.grid.tile_extent()));
+}
+
 bool can_have_base_pictures(const EncodePlan& plan) {
-    return base_shape(tile_shape(Box4::whole(plan.grid.tile_extent())), plan.parallax).has_value();
+    return base_shape(shape_of_tiles(plan), plan.parallax).has_value();
 }
 
 // Compares the base pictures of the pass `narrow` with none and, if they pay, with wider margins.
@@ -102,7 +106,8 @@ Result<bool> smooth_copies_pay(const EncodePlan& plan, const Sample& sample,
 
 FileChoices::FileChoices(const EncodePlan& plan, const Sample& sample)
     : plan_(plan), sample_(sample) {
-    if (!plan.effort.try_smooth || plan.colour.corrections)
+    // A tile of one view has no other to copy.
+    if (!plan.effort.try_smooth || plan.colour.corrections || is_picture(shape_of_tiles(plan)))
         smooth_ = false;
     if (!can_have_base_pictures(plan))
         base_ = BasePictures{};
