@@ -95,8 +95,9 @@ public:
                                          const SampledTextureOptions& options);
     // Textures that one program samples (TESSERA_TEXTURES), in the order in which it numbers them.
     // Their options have the same residency and hardware_filter. The budget is for all of them: plain
-    // textures take what they need, and tile caches get shares that grow with decoded_bytes(). Errors: bad_argument (the options
-    // differ, or there are no files or more than 64), and those above.
+    // textures take what they need, and tile caches get shares that grow with decoded_bytes().
+    // Errors: bad_argument (the options differ, or there are no files or more than 64), and those
+    // above.
     static Result<std::vector<SampledTexture>> create(std::span<const SampledTextureRequest> files,
                                                       std::uint64_t budget);
     // The same plain texture as on_load, but of texels from `source`, for comparisons with textures

@@ -84,7 +84,7 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     }
     const Texels2 texels = fine.texel_places().size();
     const ReflectionLayout mirrored =
-        reflection_layout(model, static_cast<double>(texels[0]) * texels[1]);
+        reflection_layout(model, sharp, static_cast<double>(texels[0]) * texels[1]);
     const ReflectionOptions reflection{
         .cell = std::max(mirrored.texel / options.light_texel, 1u),
         .directions =

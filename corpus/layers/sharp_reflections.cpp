@@ -63,8 +63,8 @@ bool reflects_sharply(const Model& model) {
     return sharp > least_share * all;
 }
 
-ReflectionLayout reflection_layout(const Model& model, double texels) {
-    if (!reflects_sharply(model))
+ReflectionLayout reflection_layout(const Model& model, bool sharp, double texels) {
+    if (!sharp)
         return has_lamps(model) ? ReflectionLayout{.directions = 16, .fewer_paths = 2}
                                 : ReflectionLayout();
     ReflectionLayout layout{.texel = 2, .directions = 24, .fewer_paths = 4};

@@ -19,7 +19,8 @@ struct ReflectionLayout {
     unsigned fewer_paths = 1; // per texel, because neighbours in more directions share noise
 };
 
-// For finest layers of so many texels. A model that emits light shows its lamps in its reflections.
-ReflectionLayout reflection_layout(const Model& model, double texels);
+// For finest layers of so many texels. `sharp` is reflects_sharply(model). A model that emits light
+// shows its lamps in its reflections.
+ReflectionLayout reflection_layout(const Model& model, bool sharp, double texels);
 
 } // namespace tessera::corpus

@@ -14,11 +14,10 @@ Result<GlMarks> GlMarks::create(std::shared_ptr<GlMarksBuffer> buffer, std::uint
     GlMarks m;
     m.buffer_ = std::move(buffer);
     m.begin_ = first * 4;
-    m.size_ = tiles * 4;
-    for (InFlight& marks : m.in_flight_) {
-        TESSERA_TRY_ASSIGN(marks.copy, GlBuffer::create(m.size_, BufferUse::device, "marks copy"));
-    }
     m.newest_.resize(static_cast<std::size_t>(tiles));
+    for (InFlight& marks : m.in_flight_) {
+        TESSERA_TRY_ASSIGN(marks.copy, GlBuffer::create(m.size(), BufferUse::device, "marks copy"));
+    }
     return m;
 }
 
@@ -29,7 +28,7 @@ Status GlMarks::clear() {
 }
 
 Status GlMarks::clear_words() {
-    return buffer_->words.clear(0, begin_, size_);
+    return buffer_->words.clear(0, begin_, size());
 }
 
 Status GlMarks::send() {
@@ -40,7 +39,7 @@ Status GlMarks::send() {
     }
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glCopyNamedBufferSubData(buffer_->words.id(), next.copy.id(), static_cast<GLintptr>(begin_), 0,
-                             static_cast<GLsizeiptr>(size_));
+                             static_cast<GLsizeiptr>(size()));
     TESSERA_TRY(clear_words());
     TESSERA_TRY_ASSIGN(auto fence, GlFence::insert());
     next.fence.emplace(std::move(fence));

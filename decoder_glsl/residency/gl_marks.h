@@ -58,9 +58,10 @@ private:
     };
     Status read(InFlight& marks);
     Status clear_words();
+    std::uint64_t size() const { return newest_.size() * 4; } // bytes
 
     std::shared_ptr<GlMarksBuffer> buffer_;
-    std::uint64_t begin_ = 0, size_ = 0; // bytes
+    std::uint64_t begin_ = 0; // bytes
     std::array<InFlight, most_frames> in_flight_;
     std::size_t next_ = 0; // of in_flight_, to send: the oldest one
     std::vector<std::uint32_t> newest_;

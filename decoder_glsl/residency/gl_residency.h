@@ -6,7 +6,6 @@
 #include "decoder_glsl/residency/gl_tile_decoder.h"
 #include "format/surface_mesh.h"
 
-#include <algorithm>
 #include <array>
 #include <functional>
 #include <memory>
@@ -34,10 +33,10 @@ struct BudgetShare {
     double share = 1;
 
     std::uint64_t of(std::uint64_t budget) const {
-        const std::uint64_t rest = budget - std::min(budget, fixed_of_all);
-        return budget < fixed_of_all
-                   ? 0
-                   : fixed + static_cast<std::uint64_t>(static_cast<double>(rest) * share);
+        if (budget < fixed_of_all)
+            return 0;
+        const auto rest = static_cast<double>(budget - fixed_of_all);
+        return fixed + static_cast<std::uint64_t>(rest * share);
     }
     // The budget of all of which that many bytes, at least `fixed`, are the part.
     std::uint64_t budget_for(std::uint64_t part) const {

@@ -311,8 +311,8 @@ SampledTexture::create_plain(std::span<const SampledTextureRequest> files, std::
 
 Result<std::vector<SampledTexture>>
 SampledTexture::create_cached(std::span<const SampledTextureRequest> files, std::uint64_t budget) {
-    constexpr std::uint64_t least_weight = 1ull
-                                           << 20; // so that the smallest texture has slots, too
+    // The smallest texture needs slots, too.
+    constexpr std::uint64_t least_weight = 1ull << 20;
     struct Part {
         std::unique_ptr<State> state;
         std::vector<std::uint32_t> words;

@@ -355,10 +355,10 @@ TEST(ModelLayers, SharpReflectionsGetMorePlacesAndDirections) {
 // Lamps have edges in reflections that are not sharp, too.
 TEST(ModelLayers, ReflectionsOfModelsWithLampsHaveMoreDirections) {
     Model model = cube_model();
-    EXPECT_EQ(reflection_layout(model, 1000).directions, 8u);
+    EXPECT_EQ(reflection_layout(model, false, 1000).directions, 8u);
     model.materials[0].emission = glm::dvec3(0.0, 2.0, 0.0);
-    EXPECT_EQ(reflection_layout(model, 1000).directions, 16u);
-    EXPECT_EQ(reflection_layout(model, 1000).texel, ReflectionLayout().texel);
+    EXPECT_EQ(reflection_layout(model, false, 1000).directions, 16u);
+    EXPECT_EQ(reflection_layout(model, false, 1000).texel, ReflectionLayout().texel);
 }
 
 // A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one keeps.

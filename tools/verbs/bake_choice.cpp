@@ -47,7 +47,8 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
     if (choice.layered) {
         const corpus::ModelLayersOptions usual;
         const double texels = texels_of(a, model, a.texels.value_or(usual.texels));
-        const corpus::ReflectionLayout mirrored = corpus::reflection_layout(model, texels);
+        const corpus::ReflectionLayout mirrored =
+            corpus::reflection_layout(model, corpus::reflects_sharply(model), texels);
         const double cell = mirrored.texel, place = usual.light_texel;
         const double directions = static_cast<double>(mirrored.directions) * mirrored.directions;
         const double paths =
