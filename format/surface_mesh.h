@@ -86,8 +86,10 @@ Result<std::vector<std::byte>> add_charts(std::span<const std::byte> shape,
 
 // Decodes section `prxy`, which may be damaged or malicious. Computes normals if none are stored.
 // Errors: invalid_file; unsupported if it could take more than `most_bytes` of memory, counting
-// 1,000 bytes per triangle and 16 MiB; runtime (out of memory).
-Result<SurfaceMesh> decode_mesh(std::span<const std::byte> stream, std::uint64_t most_bytes);
+// 1,000 bytes per triangle and 16 MiB; runtime (out of memory). `charts`, if not null, gets the
+// charts that give the uv, for the triangles of the result; none if the section stores uv.
+Result<SurfaceMesh> decode_mesh(std::span<const std::byte> stream, std::uint64_t most_bytes,
+                                MeshCharts* charts = nullptr);
 
 // A tangent per vertex, of unit length and perpendicular to the vertex's normal: the direction in
 // which u grows, averaged over the triangles around the vertex by their areas. Where that is

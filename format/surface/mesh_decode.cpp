@@ -204,14 +204,17 @@ Result<SurfaceMesh> decode_shape(std::span<const std::byte> shape, std::uint64_t
     return without_exceptions([&] { return decode_draco(shape, false, most_bytes); });
 }
 
-Result<SurfaceMesh> decode_mesh(std::span<const std::byte> stream, std::uint64_t most_bytes) {
+Result<SurfaceMesh> decode_mesh(std::span<const std::byte> stream, std::uint64_t most_bytes,
+                                MeshCharts* charts) {
     return without_exceptions([&]() -> Result<SurfaceMesh> {
         SurfaceMesh mesh;
         if (has_chart_tables(stream)) {
             TESSERA_TRY_ASSIGN(const ChartedStream parts, split_charted(stream));
             TESSERA_TRY_ASSIGN(mesh, decode_draco(parts.shape, false, most_bytes));
-            TESSERA_TRY_ASSIGN(const MeshCharts charts, read_chart_tables(parts, mesh));
-            TESSERA_TRY(lay_charts(mesh, charts));
+            TESSERA_TRY_ASSIGN(MeshCharts read, read_chart_tables(parts, mesh));
+            TESSERA_TRY(lay_charts(mesh, read));
+            if (charts != nullptr)
+                *charts = std::move(read);
         } else {
             TESSERA_TRY_ASSIGN(mesh, decode_draco(stream, true, most_bytes));
         }

@@ -9,8 +9,9 @@
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
+#define GLM_ENABLE_EXPERIMENTAL
+#include <glm/gtx/component_wise.hpp>
 #include <nlohmann/json.hpp>
-#include <unordered_map>
 
 namespace tessera {
 namespace {
@@ -18,8 +19,8 @@ namespace {
 using Bytes = std::vector<std::byte>;
 using Column = std::vector<std::uint32_t>;
 
-constexpr double most_units = 65535;
-constexpr std::uint32_t most_charts = 65535; // numbers repeat after this; neighbours must differ
+constexpr unsigned most_position_bits = 16;
+constexpr double direction_units = 4095; // 0.03 degrees
 
 void add_column(const Column& numbers, unsigned planes, Bytes& out) {
     Column coded;
@@ -40,13 +41,28 @@ std::uint32_t in_units(double x, double units) {
     return static_cast<std::uint32_t>(std::clamp(x, 0.0, 1.0) * units + 0.5);
 }
 
-void add_places(const SurfaceMesh& mesh, const glm::dvec3& low, const glm::dvec3& high,
-                Bytes& out) {
+// The step between places along all axes: that of the quantiser that the positions come from, whose
+// numbers cost the fewest bytes and are exact, or else the longest side in 2^16 - 1 parts.
+double step_of_places(const SurfaceMesh& mesh, const glm::dvec3& low, const glm::dvec3& high) {
+    const double side = glm::compMax(high - low);
+    for (unsigned bits = 1; bits < most_position_bits && side > 0; ++bits) {
+        constexpr double rounding = 0.01; // of positions in single precision, in steps
+        const double step = side / ((1 << bits) - 1);
+        if (std::ranges::all_of(mesh.positions, [&](const glm::dvec3& p) {
+                const glm::dvec3 steps = (p - low) / step;
+                return glm::compMax(glm::abs(steps - glm::round(steps))) < rounding;
+            }))
+            return step;
+    }
+    return side / ((1 << most_position_bits) - 1);
+}
+
+void add_places(const SurfaceMesh& mesh, const glm::dvec3& low, double step, Bytes& out) {
     for (glm::length_t axis = 0; axis < 3; ++axis) {
-        const double side = high[axis] - low[axis];
         Column column;
         for (const glm::vec3& p : mesh.positions)
-            column.push_back(side > 0 ? in_units((p[axis] - low[axis]) / side, most_units) : 0);
+            column.push_back(
+                step > 0 ? static_cast<std::uint32_t>((p[axis] - low[axis]) / step + 0.5) : 0);
         add_column(column, 3, out);
     }
 }
@@ -62,8 +78,8 @@ void add_directions(std::span<const glm::vec3> directions, Bytes& out) {
             p = (1 - std::abs(q)) * (x < 0 ? -1 : 1);
             q = (1 - std::abs(x)) * (q < 0 ? -1 : 1);
         }
-        across.push_back(in_units((p + 1) / 2, most_units));
-        up.push_back(in_units((q + 1) / 2, most_units));
+        across.push_back(in_units((p + 1) / 2, direction_units));
+        up.push_back(in_units((q + 1) / 2, direction_units));
     }
     add_column(across, 3, out);
     add_column(up, 3, out);
@@ -76,6 +92,25 @@ void add_uv(const SurfaceMesh& mesh, Bytes& out) {
             column.push_back(in_units(uv[axis], 1 << 24));
         add_column(column, 4, out);
     }
+}
+
+void add_charts(const MeshCharts& charts, Bytes& out) {
+    add_column(charts.chart_of, 3, out);
+    Column scale;
+    std::array<Column, 2> begin;
+    std::array<Column, 4> rotation;
+    for (const MeshChart& chart : charts.charts) {
+        for (std::size_t k = 0; k < rotation.size(); ++k)
+            rotation[k].push_back(static_cast<std::uint32_t>(chart.rotation[k] + 128));
+        scale.push_back(chart.scale);
+        for (std::size_t k = 0; k < begin.size(); ++k)
+            begin[k].push_back(chart.begin[k]);
+    }
+    for (const Column& column : rotation)
+        add_column(column, 2, out);
+    add_column(scale, 2, out);
+    for (const Column& column : begin)
+        add_column(column, 4, out);
 }
 
 void add_triangles(const SurfaceMesh& mesh, Bytes& out) {
@@ -94,26 +129,6 @@ std::array<std::uint32_t, 2> chart_picture_size(const AtlasMips& mips) {
     return {mips.size(0)[0] + mips.size(1)[0], std::max(mips.size(0)[1], below)};
 }
 
-void add_charts(const AtlasMips& mips, Bytes& out) {
-    const auto [width, height] = chart_picture_size(mips);
-    Column picture(std::size_t{width} * height, 0);
-    std::unordered_map<std::uint32_t, std::uint32_t> numbers{{0, 0}};
-    for (unsigned mip = 0, first = 0; mip <= mips.count();
-         first += mip > 0 ? mips.size(mip)[1] : 0, ++mip) {
-        const auto [across, up] = mips.size(mip);
-        for (std::uint32_t v = 0; v < up; ++v)
-            for (std::uint32_t u = 0; u < across; ++u) {
-                const auto next =
-                    static_cast<std::uint32_t>((numbers.size() - 1) % most_charts + 1);
-                const std::uint32_t chart = mips.charts(mip)[std::size_t{v} * across + u];
-                const std::size_t column = u + (mip > 0 ? mips.size(0)[0] : 0);
-                picture[(first + v) * std::size_t{width} + column] =
-                    numbers.emplace(chart, next).first->second;
-            }
-    }
-    add_column(picture, 3, out);
-}
-
 // Practically all WebGL devices allow textures with sides of 8192 texels.
 bool fits_a_browser(const AtlasMips& mips) {
     if (mips.count() == 0)
@@ -122,13 +137,10 @@ bool fits_a_browser(const AtlasMips& mips) {
     return width <= 8192 && height <= 8192;
 }
 
-// Appends the charts of the atlas that `tiles` divides.
-nlohmann::json add_atlas(const SurfaceMesh& mesh, const TileGrid& tiles, Bytes& out) {
+// The atlas that `tiles` divides.
+nlohmann::json about_atlas(const SurfaceMesh& mesh, const TileGrid& tiles) {
     const AtlasMips mips(mesh, tiles);
-    const bool with_mips = fits_a_browser(mips);
-    if (with_mips)
-        add_charts(mips, out);
-    return {{"mips", with_mips ? mips.count() : 0},
+    return {{"mips", fits_a_browser(mips) ? mips.count() : 0},
             {"atlas", {tiles.size()[axis_u], tiles.size()[axis_v]}}};
 }
 
@@ -150,13 +162,16 @@ nlohmann::json add_mesh(const MeshSurface& surface, std::span<const TileGrid> la
         low = glm::min(low, p);
         high = glm::max(high, p);
     }
-    add_places(mesh, low, high, out);
+    const double step = step_of_places(mesh, low, high);
+    add_places(mesh, low, step, out);
     add_directions(mesh.normals, out);
-    if (has_tangents)
-        add_directions(mesh_tangents(mesh), out);
-    add_uv(mesh, out);
     add_triangles(mesh, out);
-    nlohmann::json about = add_atlas(mesh, layers.front(), out);
+    const MeshCharts& charts = surface.charts;
+    if (charts.charts.empty())
+        add_uv(mesh, out);
+    else
+        add_charts(charts, out);
+    nlohmann::json about = about_atlas(mesh, layers.front());
     std::vector<TileGrid> atlases{layers.front()};
     for (const TileGrid& layer : layers.subspan(1)) {
         const auto known = std::ranges::find_if(
@@ -164,14 +179,18 @@ nlohmann::json add_mesh(const MeshSurface& surface, std::span<const TileGrid> la
         about["layers"].push_back(known - atlases.begin());
         if (known == atlases.end()) {
             atlases.push_back(layer);
-            about["further"].push_back(add_atlas(mesh, layer, out));
+            about["further"].push_back(about_atlas(mesh, layer));
         }
     }
     about.update({{"vertices", mesh.positions.size()},
                   {"triangles", mesh.triangles.size()},
                   {"tangents", has_tangents},
                   {"low", {low.x, low.y, low.z}},
-                  {"high", {high.x, high.y, high.z}}});
+                  {"high", {high.x, high.y, high.z}},
+                  {"step", step}});
+    if (!charts.charts.empty())
+        about["charts"] = {
+            {"count", charts.charts.size()}, {"size", charts.size}, {"density", charts.density}};
     return about;
 }
 

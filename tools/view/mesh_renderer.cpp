@@ -45,9 +45,11 @@ Result<std::optional<MeshSurface>> mesh_surface(const ContainerReader& container
         return Status(ErrorCode::unsupported,
                       container.name() + ": the texture lies on a mesh, where only the map '" +
                           name_of(SurfaceMap::mesh_uv) + "' with an octahedral map can be drawn");
-    TESSERA_TRY_ASSIGN(auto mesh, decode_mesh(container.proxy_mesh(), most_decoded_mesh_bytes)
-                                      .with_context(container.name()));
-    return std::optional(MeshSurface{std::move(mesh), d.angular_map});
+    MeshSurface surface{.mesh = {}, .map = d.angular_map};
+    TESSERA_TRY_ASSIGN(surface.mesh,
+                       decode_mesh(container.proxy_mesh(), most_decoded_mesh_bytes, &surface.charts)
+                           .with_context(container.name()));
+    return std::optional(std::move(surface));
 }
 
 Result<std::unique_ptr<ViewRenderer>>

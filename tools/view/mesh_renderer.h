@@ -10,6 +10,7 @@ namespace tessera {
 struct MeshSurface {
     SurfaceMesh mesh;
     AngularMap map = AngularMap::octahedral_mirrored;
+    MeshCharts charts{}; // that give the uv; none if the file stores uv
 };
 
 // The mesh that a file's texture lies on, or nothing if it lies on another surface. Errors:

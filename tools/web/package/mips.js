@@ -1,8 +1,8 @@
 // The mips of a surface (FORMAT.md 5.2): means over texels of one chart. The charts come from the triangles of the mesh.
+import {chartIds} from './charts.js';
 import {cellOf, halved} from './mip_layout.js';
 import {usualSide} from './surface_shader.js';
 
-const mostCharts = 0xFFFF;
 const mostCovered = 16; // area of the triangles' boxes, in atlases
 
 // A surface of readSurface() whose layers of 8 bits have mips beside each view, or the surface itself if there can be
@@ -26,99 +26,21 @@ function fits({size: [U, V, S, T], columns, mips}, longestSide) {
     return columns * width <= longestSide && Math.ceil(S * T / columns) * height <= longestSide;
 }
 
-// The numbers of the charts from 1, in the layout of a cell; 0: none. Without `ids` if there are too many.
+// The charts of an atlas, without `ids` if the triangles cover it too often.
 function atlasOf(size, mips, meshes) {
-    const [U, V] = size, cell = cellOf(size, mips), ids = new Uint16Array(cell.width * cell.height);
-    let charts = 0, covered = 0, triangles = 0;
-    for (const {indices, vertices, uvOf} of meshes) {
-        const joined = joinedVertices(indices, vertices), chartOf = new Map();
+    let covered = 0, triangles = 0;
+    for (const {indices, uvOf} of meshes) {
         triangles += indices.length / 3;
         for (let i = 0; i < indices.length; i += 3) {
-            const corners = [0, 1, 2].map(k => uvOf(indices[i + k])).map(([u, v]) => [u * U, v * V]);
-            const group = joined(indices[i]);
-            if (!chartOf.has(group))
-                chartOf.set(group, ++charts);
-            const [width, height] = [0, 1].map(axis => corners.map(c => c[axis]))
+            const corners = [0, 1, 2].map(k => uvOf(indices[i + k]));
+            const [width, height] = [0, 1].map(axis => corners.map(uv => uv[axis] * size[axis]))
                 .map(places => Math.max(...places) - Math.min(...places) + 2);
             covered += width * height;
-            if (charts > mostCharts || covered > mostCovered * (U * V + 65536 + 9 * triangles))
-                return {size, mips};
-            visitCovered(corners, size, (u, v) => { ids[v * cell.width + u] ||= chartOf.get(group); });
         }
     }
-    for (let mip = 1; mip <= mips; ++mip)
-        for (let y = 0; y < halved(V, mip); ++y)
-            for (let x = 0; x < halved(U, mip); ++x)
-                ids[(cell.rows[mip] + y) * cell.width + U + x] = mostFrequent(ids, cell.width, size, mip, x, y);
-    return {size, mips, ids, cell};
-}
-
-// A function from a vertex to the number of its group, which triangles connect.
-function joinedVertices(indices, vertices) {
-    const first = Uint32Array.from({length: vertices}, (_, i) => i);
-    const find = vertex => {
-        while (first[vertex] !== vertex)
-            vertex = first[vertex] = first[first[vertex]];
-        return vertex;
-    };
-    for (let i = 0; i < indices.length; i += 3)
-        for (const next of [1, 2]) {
-            const [a, b] = [find(indices[i]), find(indices[i + next])];
-            first[Math.max(a, b)] = Math.min(a, b);
-        }
-    return find;
-}
-
-// Calls visit(u, v) for each texel whose square intersects the triangle, like visit_covered_texels() of the library.
-function visitCovered(corners, size, visit) {
-    const edges = corners.map(([x, y], k) => {
-        const [toX, toY] = corners[(k + 1) % 3];
-        return {x, y, dx: toX - x, dy: toY - y};
-    });
-    const [{dx, dy}, , last] = edges, area = last.dx * dy - last.dy * dx; // the third edge points back to the first corner
-    if (area === 0)
-        return;
-    // Whether a square is entirely outside an edge: then its corner that is furthest inside is.
-    const isBeyond = (u, v) => {
-        for (const {x, y, dx, dy} of edges) {
-            const inside = area < 0 ? -1 : 1, across = inside * dx > 0 ? 1 : 0, along = inside * dy < 0 ? 1 : 0;
-            if ((dx * (v + across - y) - dy * (u + along - x)) * inside < 0)
-                return true;
-        }
-        return false;
-    };
-    const range = axis => {
-        const values = corners.map(corner => corner[axis]), within = x => Math.min(Math.max(x, 0), size[axis]);
-        return [within(Math.floor(Math.min(...values))), within(Math.floor(Math.max(...values)) + 1)];
-    };
-    const [[u0, u1], [v0, v1]] = [range(0), range(1)];
-    for (let v = v0; v < v1; ++v)
-        for (let u = u0; u < u1; ++u)
-            if (!isBeyond(u, v))
-                visit(u, v);
-}
-
-// The chart of most texels of the atlas in a texel of a mip, and the lowest of several; 0 if there is none.
-function mostFrequent(ids, width, [U, V], mip, x, y) {
-    const u0 = x << mip, u1 = Math.min(x + 1 << mip, U), v1 = Math.min(y + 1 << mip, V), counts = new Map();
-    const first = ids[(y << mip) * width + u0];
-    let differs = false;
-    for (let v = y << mip; v < v1 && !differs; ++v)
-        for (let u = u0; u < u1; ++u)
-            differs ||= ids[v * width + u] !== first;
-    if (!differs)
-        return first;
-    for (let v = y << mip; v < v1; ++v)
-        for (let u = u0; u < u1; ++u) {
-            const id = ids[v * width + u];
-            if (id)
-                counts.set(id, (counts.get(id) ?? 0) + 1);
-        }
-    let best = 0;
-    for (const [id, count] of counts)
-        if (!best || count > counts.get(best) || count === counts.get(best) && id < best)
-            best = id;
-    return best;
+    if (covered > mostCovered * (size[0] * size[1] + 65536 + 9 * triangles))
+        return {size, mips};
+    return {size, mips, ids: chartIds(size, mips, meshes), cell: cellOf(size, mips)};
 }
 
 // The views of a layer with their mips.
