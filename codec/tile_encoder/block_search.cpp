@@ -21,11 +21,16 @@ int finest_cells(const BlockShape& tile, int spatial, int angular) {
 }
 
 // Whether the deepest angular cut is left out: where it makes far more cells than a tile may have
-// leaves, or more than those and few new ones, as the fourth cut of 9x9 views does.
-bool has_too_many_cells(const BlockShape& tile, int spatial, int angular) {
-    constexpr int most_cells = 2 * max_leaves; // with 4 times, a dense 27x27 took twice its time
+// leaves, or more than those and few new ones, as the fourth cut of 9x9 views does. If blocks copy
+// from other views, a large tile only goes without the smallest cells of that cut, which bring
+// nothing: without any blocks of single views, 64x64x8x8 would cost 9 % more.
+bool has_too_many_cells(const BlockShape& tile, int spatial, int angular, bool copies_views) {
+    constexpr int usual_texels = 65536;
     const int cells = finest_cells(tile, spatial, angular);
-    return cells > most_cells ||
+    const int coarser = copies_views && spatial > 0 && tile.texels() > usual_texels
+                            ? finest_cells(tile, spatial - 1, angular)
+                            : cells;
+    return coarser > static_cast<int>(most_tried_cells) ||
            (cells > max_leaves && 2 * cells < 3 * finest_cells(tile, spatial, angular - 1));
 }
 
@@ -48,7 +53,9 @@ float BlockSearch::choose_blocks(TileLevels& out) {
     // More cells than a tile may have leaves are searched, since hardly any tile needs that many
     // leaves; 64x32x5x5 without blocks of single views costs 5 % more. A tile that does is searched
     // again with fewer. Spatial cells alone are at most 1,024.
-    while (has_too_many_cells(shape, spatial, angular))
+    // Base pictures serve blocks of several views.
+    const bool copies_views = options_.copies.along != 0 && !coding_->parameters.base.on;
+    while (has_too_many_cells(shape, spatial, angular, copies_views))
         --angular;
     tile_.grids.cut(shape, spatial, angular);
     skips_hollow_ = options_.skip_hollow;

@@ -24,6 +24,9 @@ constexpr float rounding_error = 1.0f / 12.0f;
 // low rates.
 constexpr float most_lucky_bits = 3.0f;
 constexpr float coefficients_for_luck = 16.0f;
+// Blocks of single views cost this many times what the model says. It does not know that the views
+// from which they copy get worse once these copy, too, nor that short trellises gain less.
+constexpr float views_cost_more = 1.1f;
 constexpr float rotation_symbol_bits = 3.0f; // a repeated colour costs less
 constexpr float rotation_may_pay = 0.98f;    // a block that costs more of its energy is noise
 
@@ -83,6 +86,12 @@ float CellCosts::plane_cost(const Coefficients& block, const BlockShape& shape, 
 }
 
 float CellCosts::block_cost(const Coefficients& block, const BlockShape& shape, float energy) {
+    const bool copies_views = options_.copies.along != 0 && !coding_->parameters.base.on;
+    const bool is_view = shape.n[2] == 1 && shape.n[3] == 1;
+    return (copies_views && is_view ? views_cost_more : 1.0f) * modelled_cost(block, shape, energy);
+}
+
+float CellCosts::modelled_cost(const Coefficients& block, const BlockShape& shape, float energy) {
     const int count = kept_count(shape);
     const float* base = kept_costs(shape).data();
     float cost = 0, seen = 0, others = 0, coded = 0;

@@ -45,6 +45,8 @@ public:
     float estimate(const BlockCoefficients& block, int first, int end, float cost);
 
 private:
+    // block_cost by the model alone.
+    float modelled_cost(const Coefficients& block, const BlockShape& shape, float energy);
     // Cost of coding each coefficient, apart from its magnitude: in block order and in that of
     // forward_image.
     const std::vector<float>& dense_costs(const BlockShape& shape);

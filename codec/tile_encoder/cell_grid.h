@@ -23,6 +23,9 @@ struct SearchOptions {
     DisplacementRange copies;     // tried by CopySearch
 };
 
+// Grids of more cells are not tried. With twice as many, a dense 27x27 took twice its time.
+constexpr std::size_t most_tried_cells = 2 * max_leaves;
+
 using Cell = std::array<int, 4>; // along each axis
 
 // The cells of one pair of depths. All costs are in squared steps.

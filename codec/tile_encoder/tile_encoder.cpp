@@ -17,7 +17,7 @@ constexpr float clearly_cheaper = 0.99f;
 
 // Balancing the mean: rounds of coding a tile again, cheapest first, and of moving first levels, as
 // rounding and clamping undo a part of each move.
-constexpr std::array<double, 3> balancing_gains = {2, 8, 16};
+constexpr std::array<double, 4> balancing_gains = {2, 8, 16, 32};
 constexpr int level_rounds = 4;
 constexpr double balanced_mean =
     0.015; // codes; a smaller error of a channel's mean does not matter
