@@ -352,6 +352,37 @@ TEST(ModelLayers, SharpReflectionsGetMorePlacesAndDirections) {
     EXPECT_TRUE(reflects_sharply(model));
 }
 
+// Rounded positions of few triangles move edges that all views show.
+TEST(ModelLayers, FewTrianglesHaveExactPositions) {
+    Model model = cube_model();
+    for (ModelVertex& vertex : model.vertices)
+        vertex.position *= glm::vec3(1.0f, 0.731f, 0.317f);
+    const ModelLayers layers = baked(model, white_light(), quick());
+    double worst = 0;
+    for (const glm::vec3& found : layers.decoded_mesh.positions) {
+        double nearest = 1e9;
+        for (const ModelVertex& vertex : model.vertices)
+            nearest = std::min(nearest, static_cast<double>(glm::distance(found, vertex.position)));
+        worst = std::max(worst, nearest);
+    }
+    EXPECT_LT(worst, 1e-4 * bounds_of(layers.decoded_mesh).diagonal());
+}
+
+// Who cannot see highlights needs no exact visibility.
+TEST(ModelLayers, VisibilityIsAsExactAsHighlightsAreBright) {
+    Model model = cube_model();
+    model.materials[0].metal = 0.0;
+    model.materials[0].roughness = 1.0;
+    const ModelLight light{std::make_shared<const Environment>(Environment::studio()), {}};
+    const auto change = [&] {
+        return layer(baked(model, light, quick()), LayerRole::visibility).quality_change;
+    };
+    const double dull = change();
+    model.materials[0].metal = 1.0;
+    model.materials[0].roughness = 0.3;
+    EXPECT_LT(dull, change() - 5.0);
+}
+
 // Lamps have edges in reflections that are not sharp, too.
 TEST(ModelLayers, ReflectionsOfModelsWithLampsHaveMoreDirections) {
     Model model = cube_model();
