@@ -1,4 +1,5 @@
 // Tests models that are baked into layers.
+#include "corpus/layers/clear_walls.h"
 #include "corpus/layers/distant_lights.h"
 #include "corpus/layers/environment_layer.h"
 #include "corpus/layers/layer_trial.h"
@@ -350,6 +351,28 @@ TEST(ModelLayers, SharpReflectionsGetMorePlacesAndDirections) {
     EXPECT_FALSE(reflects_sharply(model));
     model.images[0].texels[0][1] = 25;
     EXPECT_TRUE(reflects_sharply(model));
+}
+
+TEST(ModelLayers, ClearWallsBlend) {
+    Model model;
+    model.materials.resize(3);
+    for (ModelMaterial& m : model.materials) {
+        m.base = {1.0, 0.5, 0.5, 1.0};
+        m.metal = m.roughness = 0.0;
+        m.coats = ModelCoats{};
+        m.coats->through = 0.5;
+    }
+    model.materials[1].roughness = 0.3;
+    model.materials[2].coats->is_volume = true;
+    make_clear_walls_blend(model);
+    const ModelMaterial& wall = model.materials[0];
+    EXPECT_TRUE(wall.blends);
+    EXPECT_EQ(wall.coats->through, 0.0);
+    EXPECT_NEAR(wall.base.a, 1.0 - 0.5 * 0.6063 * 0.96, 1e-6);
+    EXPECT_NEAR(wall.base.a * wall.reflectance, 0.04, 1e-12);
+    EXPECT_NEAR(wall.base.a * wall.base.r, 0.5, 1e-12);
+    EXPECT_FALSE(model.materials[1].blends);
+    EXPECT_FALSE(model.materials[2].blends);
 }
 
 // Rounded positions of few triangles move edges that all views show.
