@@ -1,5 +1,6 @@
 #include "corpus/layers/light_layers.h"
 
+#include "corpus/layers/shown_visibility.h"
 #include "corpus/trace/path_random.h"
 #include "corpus/trace/reflection.h"
 
@@ -50,10 +51,16 @@ double quality_for_scale(double scale) {
     return std::clamp(per_doubling * std::log2(scale / usual_scale), -36.0, 6.0);
 }
 
+// Quality for a visibility of which a display shows so much; see shown_error_of_visibility().
+double quality_for_shown_error(double shown) {
+    constexpr double usual = 0.25, per_doubling = 16.0; // the first: FlightHelmet
+    return std::clamp(per_doubling * std::log2(std::max(shown, 1e-6) / usual), -30.0, 0.0);
+}
+
 } // namespace
 
 Result<LayerTexture> bake_visibility_layer(const ModelPlaces& places, const PlaceLight& light,
-                                           std::span<const DistantLight> lights,
+                                           std::span<const DistantLight> lights, double exposure,
                                            const BakeRun& run) {
     constexpr double deep_below = -0.3; // no bump turns there
     const Texels2 size = places.texel_places().size();
@@ -77,6 +84,8 @@ Result<LayerTexture> bake_visibility_layer(const ModelPlaces& places, const Plac
             }
         }
     }));
+    texture.quality_change =
+        quality_for_shown_error(shown_error_of_visibility(places, light, lights, exposure));
     return texture;
 }
 

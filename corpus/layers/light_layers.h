@@ -6,9 +6,10 @@
 
 namespace tessera::corpus {
 
-// The visibility of `lights`, the lights of `light`, at its places. Errors: those of for_rows().
+// The visibility of `lights`, the lights of `light`, at its places. They are multiplied by `exposure`.
+// Errors: those of for_rows().
 Result<LayerTexture> bake_visibility_layer(const ModelPlaces& places, const PlaceLight& light,
-                                           std::span<const DistantLight> lights,
+                                           std::span<const DistantLight> lights, double exposure,
                                            const BakeRun& run);
 
 struct ReflectionOptions {

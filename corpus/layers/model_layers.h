@@ -18,8 +18,9 @@ struct ModelLayersOptions {
     unsigned samples = 64;               // paths per texel of the reflection, on rough surfaces
     PlaceLightOptions light;
     double exposure = 1.0;
-    unsigned position_bits = 11, sharp_position_bits = 14; // the latter if it reflects_sharply()
-    unsigned normal_bits = 6;                              // if the mesh has normals
+    unsigned position_bits = 11;       // at least; models of few triangles get more
+    unsigned sharp_position_bits = 14; // at least, if it reflects_sharply()
+    unsigned normal_bits = 6;          // if the mesh has normals
     BakeRun run;
 };
 

@@ -1,3 +1,4 @@
+#include "corpus/model/opaque_alpha.h"
 #include "corpus/model/readers.h"
 
 #include <algorithm>
@@ -171,6 +172,7 @@ Result<Model> ModelBuilder::finish() && {
         low = glm::min(low, glm::dvec3(v.position));
         high = glm::max(high, glm::dvec3(v.position));
     }
+    ignore_opaque_alpha(model_);
     const glm::dvec3 middle = 0.5 * (low + high);
     double radius = 0;
     for (const ModelVertex& v : model_.vertices)

@@ -179,7 +179,7 @@ glm::dvec3 Tracer::specular_of_model(const LitPoint& point, const glm::dvec3& vi
     if (!hit)
         return lit;
     return lit + thrown.share / thrown.density *
-                     arriving(start, l, hit, thrown.density, lobe.width(), random);
+                     arriving(start, l, hit, thrown.density, lobe.width(), random, true);
 }
 
 double Tracer::emitter_density(const glm::dvec3& origin, const glm::dvec3& direction,
@@ -233,7 +233,7 @@ Tracer::Incoming Tracer::incoming_of_model(const LitPoint& point, double toward_
     found.density = cosine_density(glm::dot(point.normal, found.direction));
     found.light =
         arriving(start, found.direction, hit,
-                 emitters_.empty() ? infinite : found.density / toward_emitters, 1.0, random);
+                 emitters_.empty() ? infinite : found.density / toward_emitters, 1.0, random, true);
     return found;
 }
 
@@ -315,7 +315,7 @@ glm::dvec3 Tracer::from_model(const LitPoint& point, const glm::dvec3& direction
     const Hit hit = next_hit(start, direction, random);
     if (!hit)
         return glm::dvec3(0.0);
-    return arriving(start, direction, hit, infinite, 1.0, random);
+    return arriving(start, direction, hit, infinite, 1.0, random, true);
 }
 
 glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
@@ -325,14 +325,17 @@ glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
 }
 
 glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, double density,
-                            double widest, PathRandom& random) const {
+                            double widest, PathRandom& random, bool of_model) const {
     glm::dvec3 sum(0.0), share(1.0);
+    bool is_straight = true; // so far
     // Divides light by it: the weight of the balance heuristic. direct() adds the rest.
     const auto divisor = [&](double light_density) {
         return std::isinf(density) ? 1.0 : 1.0 + light_density / density;
     };
     for (int bounce = 0;;) {
         if (!hit) {
+            if (of_model && is_straight)
+                return sum;
             return sum + share * light_.environment->light(direction) /
                              divisor(light_.environment->density(direction));
         }
@@ -353,6 +356,7 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
             share *= passed.share / passes;
             start = passed.origin;
             if (!passed.is_straight) {
+                is_straight = false;
                 widest = std::max(
                     widest,
                     p.lobes.coats
@@ -367,6 +371,7 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
             if (!(thrown.density > 0.0))
                 return sum;
             share *= thrown.share / (thrown.density * (1.0 - passes));
+            is_straight = false;
             origin = start;
             direction = l;
             density = thrown.density;

@@ -116,8 +116,9 @@ private:
     // Light along a ray that meets `hit`. Its direction was sampled with this density. Without the
     // share of the environment and of emission at `hit` that direct() counts. An infinite density
     // means that direct() was not called. `widest`: the alpha of the widest lobe that the path has met.
+    // `of_model`: without light of the environment that comes straight, through clear walls at most.
     glm::dvec3 arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, double density,
-                        double widest, PathRandom& random) const;
+                        double widest, PathRandom& random, bool of_model = false) const;
     // The same, plus direct().
     template <class Lobe>
     glm::dvec3 reflected(const LitPoint& point, const Lobe& lobe, const glm::dvec3& sampled,

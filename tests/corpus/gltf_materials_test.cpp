@@ -1,4 +1,5 @@
 // Tests the materials of glTF files, as the tracer sees them.
+#include "corpus/model/opaque_alpha.h"
 #include "tests/support/gltf_fixture.h"
 
 namespace tessera::corpus {
@@ -31,6 +32,39 @@ TEST_F(GltfMaterials, IndexOfRefractionAndSpecular) {
     EXPECT_NEAR(glm::distance(metal.facing, glm::dvec3(0.5, 0.25, 1)), 0, 1e-6);
     EXPECT_EQ(metal.grazing, 1.0);
     EXPECT_EQ(metal.diffuse, glm::dvec3(0.0));
+}
+
+// Many files let materials blend whose alpha is 1.
+TEST_F(GltfMaterials, AlphaThatRemovesNothingIsIgnored) {
+    const auto read = [&](const std::string& mode, double alpha) {
+        auto model =
+            load(with_material(mode + R"("pbrMetallicRoughness":{"baseColorFactor":[1,1,1,)" +
+                               std::to_string(alpha) + "]}}"));
+        EXPECT_TRUE(model.ok()) << model.status().message();
+        return std::move(*model);
+    };
+    const std::string blend = R"({"alphaMode":"BLEND",)",
+                      mask = R"({"alphaMode":"MASK","alphaCutoff":0.25,)";
+    EXPECT_FALSE(material_of(read(blend, 1.0)).blends);
+    EXPECT_TRUE(material_of(read(blend, 0.75)).blends);
+    EXPECT_EQ(material_of(read(mask, 0.75)).cutoff, 0.0);
+    EXPECT_EQ(material_of(read(mask, 0.125)).cutoff, 0.25);
+    // Alpha of vertices and of pictures counts as well.
+    Model model = read(blend, 0.75);
+    ModelMaterial& used = model.materials[model.triangles[0].material];
+    used.base.a = 1.0;
+    model.images = {{2, 1, {{0, 0, 0, 255}, {0, 0, 0, 128}}}};
+    used.base_texture.image = 0;
+    ignore_opaque_alpha(model);
+    EXPECT_TRUE(used.blends);
+    model.images[0].texels[1][3] = 255;
+    float& alpha = model.vertices[model.triangles[0].vertices[1]].colour.a;
+    alpha = 0.5f;
+    ignore_opaque_alpha(model);
+    EXPECT_TRUE(used.blends);
+    alpha = 1.0f;
+    ignore_opaque_alpha(model);
+    EXPECT_FALSE(used.blends);
 }
 
 // Factors and textures of all extensions that add to a material. All textures are one texel of red

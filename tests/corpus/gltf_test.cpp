@@ -154,7 +154,8 @@ TEST_F(Gltf, WhatIsIgnoredIsNamedAndCounted) {
     GltfText text;
     text.primitive = R"(,"material":0,"targets":[{"POSITION":0}])";
     text.more =
-        R"(,"materials":[{"alphaMode":"BLEND","extensions":{"KHR_materials_dispersion":{}}},)"
+        R"(,"materials":[{"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.5]},)"
+        R"("extensions":{"KHR_materials_dispersion":{}}},)"
         R"({"extensions":{"KHR_materials_dispersion":{}}}])"
         R"(,"animations":[{"channels":[],"samplers":[]}],"skins":[{"joints":[0]}])";
     const auto model = load(text);

@@ -1,4 +1,5 @@
 // Tests models that are baked into layers.
+#include "corpus/layers/clear_walls.h"
 #include "corpus/layers/distant_lights.h"
 #include "corpus/layers/environment_layer.h"
 #include "corpus/layers/layer_trial.h"
@@ -350,6 +351,59 @@ TEST(ModelLayers, SharpReflectionsGetMorePlacesAndDirections) {
     EXPECT_FALSE(reflects_sharply(model));
     model.images[0].texels[0][1] = 25;
     EXPECT_TRUE(reflects_sharply(model));
+}
+
+TEST(ModelLayers, ClearWallsBlend) {
+    Model model;
+    model.materials.resize(3);
+    for (ModelMaterial& m : model.materials) {
+        m.base = {1.0, 0.5, 0.5, 1.0};
+        m.metal = m.roughness = 0.0;
+        m.coats = ModelCoats{};
+        m.coats->through = 0.5;
+    }
+    model.materials[1].roughness = 0.3;
+    model.materials[2].coats->is_volume = true;
+    make_clear_walls_blend(model);
+    const ModelMaterial& wall = model.materials[0];
+    EXPECT_TRUE(wall.blends);
+    EXPECT_EQ(wall.coats->through, 0.0);
+    EXPECT_NEAR(wall.base.a, 1.0 - 0.5 * 0.6063 * 0.96, 1e-6);
+    EXPECT_NEAR(wall.base.a * wall.reflectance, 0.04, 1e-12);
+    EXPECT_NEAR(wall.base.a * wall.base.r, 0.5, 1e-12);
+    EXPECT_FALSE(model.materials[1].blends);
+    EXPECT_FALSE(model.materials[2].blends);
+}
+
+// Rounded positions of few triangles move edges that all views show.
+TEST(ModelLayers, FewTrianglesHaveExactPositions) {
+    Model model = cube_model();
+    for (ModelVertex& vertex : model.vertices)
+        vertex.position *= glm::vec3(1.0f, 0.731f, 0.317f);
+    const ModelLayers layers = baked(model, white_light(), quick());
+    double worst = 0;
+    for (const glm::vec3& found : layers.decoded_mesh.positions) {
+        double nearest = 1e9;
+        for (const ModelVertex& vertex : model.vertices)
+            nearest = std::min(nearest, static_cast<double>(glm::distance(found, vertex.position)));
+        worst = std::max(worst, nearest);
+    }
+    EXPECT_LT(worst, 1e-4 * bounds_of(layers.decoded_mesh).diagonal());
+}
+
+// Who cannot see highlights needs no exact visibility.
+TEST(ModelLayers, VisibilityIsAsExactAsHighlightsAreBright) {
+    Model model = cube_model();
+    model.materials[0].metal = 0.0;
+    model.materials[0].roughness = 1.0;
+    const ModelLight light{std::make_shared<const Environment>(Environment::studio()), {}};
+    const auto change = [&] {
+        return layer(baked(model, light, quick()), LayerRole::visibility).quality_change;
+    };
+    const double dull = change();
+    model.materials[0].metal = 1.0;
+    model.materials[0].roughness = 0.3;
+    EXPECT_LT(dull, change() - 5.0);
 }
 
 // Lamps have edges in reflections that are not sharp, too.

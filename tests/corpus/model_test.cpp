@@ -67,11 +67,11 @@ TEST_F(Models, MaterialsOfGltf) {
     text.primitive = R"(,"material":0)";
     text.more =
         R"(,"materials":[{"doubleSided":true,"alphaMode":"MASK","emissiveFactor":[0,1,0],)"
-        R"("pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,1,1],"metallicFactor":0.5,"roughnessFactor":0.75}}])";
+        R"("pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,1,0.25],"metallicFactor":0.5,"roughnessFactor":0.75}}])";
     const auto model = load("a.gltf", text.text());
     ASSERT_TRUE(model.ok()) << model.status().message();
     const ModelMaterial& m = model->materials[model->triangles[0].material];
-    EXPECT_EQ(m.base, glm::dvec4(0.5, 0.25, 1, 1));
+    EXPECT_EQ(m.base, glm::dvec4(0.5, 0.25, 1, 0.25));
     EXPECT_EQ(m.metal, 0.5);
     EXPECT_EQ(m.roughness, 0.75);
     EXPECT_EQ(m.emission, glm::dvec3(0, 1, 0));

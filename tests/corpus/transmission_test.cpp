@@ -137,5 +137,29 @@ TEST(Transmission, ClearWallsCastTintedShadows) {
     }
 }
 
+// Shadow rays bring the light of an environment through clear walls. It is no light of the model.
+TEST(Transmission, LightThatPassesAClearWallIsNotOfTheModel) {
+    Model model;
+    model.materials = {ModelMaterial(), glass(glm::dvec3(1.0), 1.0)};
+    model.materials[0].metal = 0.0;
+    add_square(model, 1, 0, false, 0);
+    add_square(model, 100, 1, false, 1);
+    add_square(model, 100, 1, true, 1);
+    const Tracer tracer = tracer_of(model, white_light());
+    const LitPoint floor = tracer.model().point({0, {0.3, 0.3}});
+    glm::dvec3 of_model(0.0), specular(0.0), straight(0.0);
+    for (unsigned i = 0; i < 256; ++i) {
+        PathRandom random(5, i);
+        const auto incoming = tracer.incoming_of_model(floor, 1.0, random);
+        of_model += incoming.light / incoming.density;
+        specular += tracer.specular_of_model(floor, -below, random);
+        straight += tracer.from_model(floor, -below, random);
+    }
+    EXPECT_EQ(of_model, glm::dvec3(0.0));
+    EXPECT_EQ(specular, glm::dvec3(0.0));
+    EXPECT_EQ(straight, glm::dvec3(0.0));
+    EXPECT_NEAR(tracer.unblocked(floor, -below).x, 1.0, 1e-3);
+}
+
 } // namespace
 } // namespace tessera::corpus

@@ -1,5 +1,6 @@
 #include "tools/verbs/bake_layers.h"
 
+#include "corpus/layers/clear_walls.h"
 #include "tools/support/encode_report.h"
 #include "tools/support/interrupt.h"
 #include "tools/support/output_folders.h"
@@ -119,6 +120,7 @@ Status check_layered(const BakeCommand& a) {
 Status bake_layered(const BakeCommand& a, ModelToBake model) {
     const auto start = std::chrono::steady_clock::now();
     TESSERA_TRY_ASSIGN(const corpus::SurfaceWish wish, surface_wish(a));
+    corpus::make_clear_walls_blend(model.file.model);
     const LitModelFile& file = model.file;
     Warnings& warnings = *model.warnings;
     for (const corpus::ModelLamp& lamp : file.light.lamps)
