@@ -102,11 +102,10 @@ public:
                                                       std::uint64_t budget);
     // The same plain texture as on_load, but of texels from `source`, for comparisons with textures
     // that are not compressed. `source` has the reader's size, type and channels; it is read in
-    // boxes of any order and not kept. No budget applies. `mesh` as in the options. Errors:
-    // difference (the source has another size or type); those of the source; unsupported; runtime.
+    // boxes of any order and not kept. No budget applies. Errors: difference (the source has
+    // another size or type); those of the source; unsupported; runtime.
     static Result<SampledTexture> from_texels(const ContainerReader& reader, TexelSource& source,
-                                              bool hardware_filter,
-                                              const SurfaceMesh* mesh = nullptr);
+                                              bool hardware_filter);
     SampledTexture(SampledTexture&&) noexcept;
     SampledTexture& operator=(SampledTexture&&) noexcept;
     ~SampledTexture();
@@ -142,8 +141,7 @@ private:
     struct State;
     explicit SampledTexture(std::unique_ptr<State> state);
     static Result<std::unique_ptr<State>> prepare(const ContainerReader& reader,
-                                                  const SampledTextureOptions& options,
-                                                  SharedAtlasMips& shared);
+                                                  const SampledTextureOptions& options);
     static Result<std::vector<SampledTexture>>
     create_plain(std::span<const SampledTextureRequest> files, std::uint64_t budget);
     static Result<std::vector<SampledTexture>>

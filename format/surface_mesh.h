@@ -13,7 +13,6 @@
 #include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -180,21 +179,6 @@ private:
 
     Extent4 size_{0, 0, 0, 0}, kept_{0, 0, 0, 0};
     std::vector<Level> levels_{1};
-};
-
-// The mips of several textures on one mesh, such as layers, most of which have the same size and
-// tiles and share their mips. Not thread-safe.
-class SharedAtlasMips {
-public:
-    std::shared_ptr<const AtlasMips> of(const SurfaceMesh& mesh, const TileGrid& grid);
-
-private:
-    struct Known {
-        const SurfaceMesh* mesh;
-        Extent4 size, tile;
-        std::shared_ptr<const AtlasMips> mips;
-    };
-    std::vector<Known> known_;
 };
 
 } // namespace tessera

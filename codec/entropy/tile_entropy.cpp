@@ -119,8 +119,9 @@ void put_u16(std::vector<std::byte>& out, std::size_t value) {
 }
 
 int block_work(const TileLevels& tile, std::size_t block, int planes) {
-    int work = planes;
-    for (int plane = 0; plane < planes; ++plane)
+    const PlaneRange range = tile.planes_of(block, planes);
+    int work = range.end - range.first;
+    for (int plane = range.first; plane < range.end; ++plane)
         work +=
             tile.planes[block * static_cast<std::size_t>(planes) + static_cast<std::size_t>(plane)]
                 .coded_length;

@@ -56,6 +56,8 @@ private:
             ++work_;
             out_.splits.push_back(static_cast<std::uint8_t>(split));
         };
+        if (coding_.parameters.plane_trees && is_picture(out_.shape) && rans_.raw(1) != 0)
+            return decode_plane_trees(node);
         ModeMemory modes;
         const auto base_leaf = [&](const Block& block) {
             out_.blocks.push_back(block);
@@ -86,6 +88,22 @@ private:
                                  leaf);
     }
 
+    // A tree for each of two planes.
+    template <class Node> bool decode_plane_trees(const Node& node) {
+        for (int plane = 0; plane < 2; ++plane) {
+            out_.second_tree = out_.blocks.size();
+            ModeMemory modes;
+            const auto leaf = [&](const Block& block) {
+                out_.blocks.push_back(block);
+                out_.predictions.push_back(decode_border_mode(rans_, coding_.tables, block, modes));
+                return out_.blocks.size() <= max_leaves;
+            };
+            if (!decode_split_tree(rans_, coding_.tables, Block{.shape = out_.shape}, node, leaf))
+                return false;
+        }
+        return true;
+    }
+
     // False if copies depend on copies more than max_copy_depth deep.
     bool order_copies() {
         if (!predicts_anything(out_.predictions) && out_.base_blocks == 0) {
@@ -104,9 +122,15 @@ private:
         const std::size_t first_plane = out_.planes.size();
         int previous = 0;
         bool is_empty = true; // all planes before
-        for (int plane = 0; plane < coding_.planes; ++plane) {
+        const PlaneRange range = out_.planes_of(index, coding_.planes);
+        for (int file_plane = 0; file_plane < coding_.planes; ++file_plane) {
+            const int plane = file_plane - range.first; // in the block
+            if (plane < 0 || file_plane >= range.end) {
+                out_.planes.push_back({.first = static_cast<std::uint32_t>(found_)});
+                continue;
+            }
             const int token =
-                plane == 0
+                coding_.table_class(plane) == 0
                     ? coding_.tables
                           .first_length[static_cast<std::size_t>(
                               length_context(block.shape, out_.copies(index)))]
@@ -132,7 +156,8 @@ private:
                 is_before_transform(plane, is_empty, coding_.parameters.transforms_any_plane))
                 decode_transform(block.shape, out_.predictions[index]);
             is_empty = is_empty && length == 0;
-            if (length > 0 && !decode_plane(first_plane, plane, out_.copies(index), shape.order))
+            if (length > 0 && !decode_plane(first_plane + static_cast<std::size_t>(range.first),
+                                            plane, out_.copies(index), shape.order))
                 return false;
         }
         return true;
@@ -185,13 +210,13 @@ private:
             grid_.mark_cross(order.context[nz.index], amplitude_of_level(nz.level, dependent));
         });
         const bool flat = is_picture(order.shape);
-        const auto decode = !dependent ? plane == 0
-                                             ? &LevelDecoder::decode_coefficients<false, 0, false>
-                                             : &LevelDecoder::decode_coefficients<false, 1, false>
-                            : flat ? plane == 0 ? &LevelDecoder::decode_coefficients<true, 0, true>
-                                                : &LevelDecoder::decode_coefficients<true, 1, true>
-                            : plane == 0 ? &LevelDecoder::decode_coefficients<true, 0, false>
-                                         : &LevelDecoder::decode_coefficients<true, 1, false>;
+        const bool first = coding_.table_class(plane) == 0;
+        const auto decode = !dependent ? first ? &LevelDecoder::decode_coefficients<false, 0, false>
+                                               : &LevelDecoder::decode_coefficients<false, 1, false>
+                            : flat ? first ? &LevelDecoder::decode_coefficients<true, 0, true>
+                                           : &LevelDecoder::decode_coefficients<true, 1, true>
+                            : first ? &LevelDecoder::decode_coefficients<true, 0, false>
+                                       : &LevelDecoder::decode_coefficients<true, 1, false>;
         make_room(static_cast<std::size_t>(length));
         const bool is_well = (this->*decode)(length, copies, order);
         levels.count = static_cast<std::uint16_t>(found_ - levels.first);

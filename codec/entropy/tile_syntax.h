@@ -95,15 +95,23 @@ public:
 
     void walk_tree(const TileLevels& tile) {
         std::size_t next = 0;
+        const Block root{.shape = tile.shape};
+        leaf_ = 0;
+        if (coding_.parameters.plane_trees && is_picture(tile.shape)) {
+            visitor_.raw(tile.second_tree > 0 ? 1 : 0, 1);
+            if (tile.second_tree > 0) {
+                modes_ = ModeMemory{};
+                walk_node(tile, root, next);
+            }
+        }
         predictions_ = PredictionMemory{};
         modes_ = ModeMemory{};
-        leaf_ = 0;
         if (const auto base = base_shape(tile.shape, coding_.parameters.base)) {
             visitor_.base(tile.base_blocks > 0);
             if (tile.base_blocks > 0)
                 walk_node(tile, base_root(*base), next);
         }
-        walk_node(tile, Block{{0, 0, 0, 0}, tile.shape, 0, 0}, next);
+        walk_node(tile, root, next);
     }
 
     void walk_block(const TileLevels& tile, std::size_t block) {
@@ -111,14 +119,15 @@ public:
         const ShapeCoding& shape_coding = shapes_.get(coding_, shape);
         int previous = 0;
         bool is_empty = true; // all planes before
-        for (int plane = 0; plane < coding_.planes; ++plane) {
-            const PlaneLevels* levels =
-                &tile.planes[block * static_cast<std::size_t>(coding_.planes)];
+        const PlaneRange range = tile.planes_of(block, coding_.planes);
+        const PlaneLevels* levels = &tile.planes[block * static_cast<std::size_t>(coding_.planes) +
+                                                 static_cast<std::size_t>(range.first)];
+        for (int plane = 0; plane < range.end - range.first; ++plane) {
             const int length = levels[plane].coded_length;
             // A length that the end of the scan order cut is coded as it was before the cut.
             const int uncut = round_up_coded_length(length, max_coded_length);
             const int token = length_token(uncut);
-            if (plane == 0)
+            if (coding_.table_class(plane) == 0)
                 visitor_.first_length(length_context(shape, tile.copies(block)), token);
             else
                 visitor_.other_length(previous, token);
@@ -243,7 +252,7 @@ private:
     void walk_plane(const TileLevels& tile, bool copies, std::span<const PlaneLevels> planes,
                     const ScanOrder& order) {
         const int length = planes.back().coded_length;
-        const int p_class = plane_class(static_cast<int>(planes.size()) - 1);
+        const int p_class = coding_.table_class(static_cast<int>(planes.size()) - 1);
         const bool dependent = coding_.parameters.dependent;
         grid_.begin(order);
         const auto for_each_before = [&](auto visit) {

@@ -52,6 +52,11 @@ CodingParameters coding_parameters(double step, const EncodePlan& plan) {
     // Two channels weigh the same, so the first one is often empty where the second is not.
     parameters.transforms_any_plane =
         parameters.leaves_out_transforms && plan.colour.desc.channels == 2;
+    // They need not have edges at the same places either. In atlases, which have masks, one tree takes
+    // 1 % fewer bits (tests/regression/rd_pictures.md).
+    parameters.plane_trees = parameters.prediction && plan.effort.pictures.plane_trees &&
+                             plan.options.mask == nullptr && plan.colour.desc.channels == 2 &&
+                             tile[axis_s] == 1 && tile[axis_t] == 1;
     return parameters;
 }
 

@@ -63,6 +63,7 @@ double lagrangian_cost(const EncodePlan& plan, const CodingParameters& parameter
 std::uint32_t sum_of(const TileLevels& levels, const CorrectionMap& corrections) {
     Sum sum;
     sum.add(levels.base_blocks);
+    sum.add(levels.second_tree);
     for (const std::uint8_t split : levels.splits) // the blocks follow from the splits
         sum.add(split);
     for (const BlockColour& colour : levels.colours)

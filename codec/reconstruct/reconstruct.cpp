@@ -29,6 +29,7 @@ public:
           shape_(scratch.shapes.get(coding, block_.shape)), scratch_(scratch), tile_planes_(planes),
           picture_(is_of_base_ ? planes.base_shape : tile.shape),
           planes_(is_of_base_ ? planes.base : planes.plane),
+          range_(tile.planes_of(index, coding.planes)),
           levels_(tile.planes.data() + index * static_cast<std::size_t>(coding.planes)),
           prediction_(tile.is_predicted(index) ? &tile.predictions[index] : nullptr),
           axes_(prediction_ != nullptr ? axis_transforms(prediction_->transform, block_.shape)
@@ -39,12 +40,12 @@ public:
     }
 
     void run() {
-        int plane = 0;
+        int plane = range_.first;
         if (!colour_.is_plain()) {
             mixed_planes();
             plane = 3;
         }
-        for (; plane < coding_.planes; ++plane) {
+        for (; plane < range_.end; ++plane) {
             const auto nonzeros = levels(plane);
             if (nonzeros.empty()) {
                 finish_constant(plane, 0);
@@ -182,6 +183,7 @@ private:
     TilePlanes& tile_planes_;
     const BlockShape& picture_; // the tile or base picture that contains the block
     std::array<std::vector<std::int32_t>, max_planes>& planes_; // of picture_
+    const PlaneRange range_;
     const PlaneLevels* const levels_;
     const BlockPrediction* const prediction_; // null if the block is not predicted
     const AxisTransforms axes_;
@@ -208,8 +210,11 @@ void reconstruct(const TileLevels& levels, const TileCoding& coding, Reconstruct
             reconstruct_block(levels, block, coding, scratch, planes);
         return;
     }
-    for (const std::uint16_t block : levels.order)
+    for (const std::uint16_t block : levels.order) {
+        if (levels.second_tree > 0 && block == levels.second_tree)
+            planes.done.reset();
         reconstruct_block(levels, block, coding, scratch, planes);
+    }
 }
 
 } // namespace tessera

@@ -39,4 +39,16 @@ const ShapeCoding& TileCoding::shape(const BlockShape& shape) const {
     return *shapes_.try_emplace(shape, std::move(made)).first->second;
 }
 
+const TileCoding& TileCoding::of_plane(int plane) const {
+    const auto p = static_cast<std::size_t>(plane);
+    std::call_once(has_plane_[p], [&] {
+        CodingParameters own = parameters;
+        own.step[0] = parameters.step[p];
+        own.offsets[0] = parameters.offsets[static_cast<std::size_t>(plane_class(plane))];
+        own.plane_trees = false;
+        of_plane_[p] = std::make_unique<const TileCoding>(own, type, 1);
+    });
+    return *of_plane_[p];
+}
+
 } // namespace tessera

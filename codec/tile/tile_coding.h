@@ -39,12 +39,18 @@ private:
     static std::vector<std::uint32_t> find_places(const ScanOrder& order);
 };
 
+constexpr int plane_class(int plane) {
+    return plane == 0 ? 0 : 1;
+}
+
 // Thread-safe. Immutable apart from the cache of shapes. References from shape() stay valid.
 class TileCoding {
 public:
     TileCoding(const CodingParameters& parameters, SampleType type, int planes);
 
     const ShapeCoding& shape(const BlockShape& shape) const;
+    // The coding of one plane as if it were a file of its own.
+    const TileCoding& of_plane(int plane) const;
 
     const CodingParameters parameters;
     const CodeTables tables;
@@ -52,6 +58,10 @@ public:
     const int planes;    // one per channel
     const bool rotates;  // blocks carry a colour symbol
     const bool predicts; // blocks carry a prediction
+
+    // The tables that levels of a plane of a block are coded with; the plane of a block that has only
+    // one is 0.
+    int table_class(int plane) const { return parameters.plane_trees ? 0 : plane_class(plane); }
 
     const ScaleSet& scales(const ShapeCoding& shape, int plane, BlockColour colour) const {
         return colour.is_rotated() && plane < 3 ? shape.rotated_scales
@@ -61,6 +71,8 @@ public:
 private:
     mutable std::shared_mutex mutex_;
     mutable std::map<BlockShape, std::unique_ptr<ShapeCoding>> shapes_;
+    mutable std::array<std::once_flag, max_planes> has_plane_;
+    mutable std::array<std::unique_ptr<const TileCoding>, max_planes> of_plane_;
 };
 
 // The shapes that one thread has used. A tile has few, and the shared cache takes a lock.
@@ -78,9 +90,5 @@ public:
 private:
     std::vector<std::pair<BlockShape, const ShapeCoding*>> recent_;
 };
-
-constexpr int plane_class(int plane) {
-    return plane == 0 ? 0 : 1;
-}
 
 } // namespace tessera

@@ -17,6 +17,11 @@ struct NonZero {
     bool operator==(const NonZero&) const = default;
 };
 
+// The planes of a block: those from `first` to `end` - 1.
+struct PlaneRange {
+    int first = 0, end = 0;
+};
+
 // One plane of one block. Its first `coded_length` coefficients in scan order are coded.
 struct PlaneLevels {
     std::uint32_t first = 0; // index into TileLevels::nonzeros, which ascend by scan index
@@ -26,9 +31,12 @@ struct PlaneLevels {
 };
 
 struct TileLevels {
-    BlockShape shape;                 // of the whole tile
-    std::vector<Block> blocks;        // leaves in decoding order
-    std::size_t base_blocks = 0;      // the first ones, which form the tile's base picture
+    BlockShape shape;            // of the whole tile
+    std::vector<Block> blocks;   // leaves in decoding order
+    std::size_t base_blocks = 0; // the first ones, which form the tile's base picture
+    // The first block of plane 1, if each of two planes has a tree of its own, or 0. The other plane
+    // of a block is then empty.
+    std::size_t second_tree = 0;
     std::vector<BlockColour> colours; // per block
     std::vector<std::uint8_t> splits; // Split of each node, parents before children
     // The predictions of the blocks and the order in which blocks are reconstructed (see
@@ -41,7 +49,7 @@ struct TileLevels {
     bool operator==(const TileLevels&) const = default;
     void clear() {
         blocks.clear();
-        base_blocks = 0;
+        base_blocks = second_tree = 0;
         colours.clear();
         splits.clear();
         forget_copies();
@@ -57,6 +65,11 @@ struct TileLevels {
     }
     bool is_predicted(std::size_t block) const {
         return !predictions.empty() && predictions[block].is_predicted();
+    }
+    // `planes`: of the file.
+    PlaneRange planes_of(std::size_t block, int planes) const {
+        const int plane = block < second_tree ? 0 : 1;
+        return second_tree == 0 ? PlaneRange{0, planes} : PlaneRange{plane, plane + 1};
     }
     std::span<const NonZero> levels(const PlaneLevels& plane) const {
         return {nonzeros.data() + plane.first, plane.count};

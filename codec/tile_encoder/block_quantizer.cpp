@@ -154,8 +154,8 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
     const ScanOrder& order = shape.order;
     const std::vector<float>& x = block.plane[plane];
     const float per_step = inverse_step(block, plane);
-    const int p_class = plane_class(plane);
-    const auto& length_costs = plane == 0
+    const int p_class = plane_class(plane), t_class = coding_.table_class(plane);
+    const auto& length_costs = t_class == 0
                                    ? costs_.first_length[length_context(block.shape, block.copies)]
                                    : costs_.other_length[first_token];
     const int limit = length_limit(coding_.planes, order.length());
@@ -186,7 +186,7 @@ float BlockQuantizer::quantize_plane(const BlockCoefficients& block, int plane, 
                               .costs = costs_,
                               .options = options_,
                               .copies = block.copies,
-                              .plane_class = p_class,
+                              .plane_class = t_class,
                               .length_costs = length_costs,
                               .offsets = offset_[p_class],
                               .amplitude = amplitude_,

@@ -38,8 +38,8 @@ constexpr std::array<EffortRow, most_effort + 1> effort_rows = {{
     {four, off, off, off, 0, 0, 0, 0, off, on, 0, {}},
     {seven, on, off, on, 0, 0, 0, 0, off, on, 0, {}},
     {seven, on, on, on, 8, 4, 24, 1, off, off, 0, {1, 0, off, off, off}},
-    {all, on, on, on, 24, 10, 60, 2, on, off, 1, {2, 1, on, on, off}},
-    {all, on, on, on, 24, 10, 0, 4, on, on, 2, {3, 3, on, on, on}},
+    {all, on, on, on, 24, 10, 60, 2, on, off, 1, {2, 1, on, on, off, on, off}},
+    {all, on, on, on, 24, 10, 0, 4, on, on, 2, {3, 3, on, on, on, on, on}},
 }};
 // If a tool switch adds copies to an effort that has none.
 constexpr DisplacementRange usual_range{8, 4};
@@ -89,6 +89,7 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
         pictures.transform_modes = std::max(pictures.transform_modes, 1);
     pictures.no_transform =
         pictures.transform_modes > 0 && tools.is_on(CodingTool::no_transform, true);
+    pictures.plane_trees = tools.is_on(CodingTool::plane_trees, pictures.plane_trees);
     settings.try_alignment = tools.is_on(CodingTool::align, level_copies);
     settings.balance = tools.is_on(CodingTool::balance, true);
     settings.filter = tools.is_on(CodingTool::filter, level_copies);

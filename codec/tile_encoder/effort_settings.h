@@ -15,9 +15,11 @@ struct PictureSearch {
     bool no_transform = false; // ... and without a transform along one axis or both
     bool halves = false;       // blocks may be halves of squares,
     bool quarters = false;     // ... and quarters, or halves of these
-    bool borders = true;       // blocks are predicted from their borders
-    bool planar = true;        // ... as a plane,
-    bool directions = true;    // ... along a direction, and always as their mean
+    bool plane_trees = false;  // each of two planes may have a tree of its own,
+    bool careful_trees = false; // ... if that is cheaper with directions, too
+    bool borders = true;        // blocks are predicted from their borders
+    bool planar = true;         // ... as a plane,
+    bool directions = true;     // ... along a direction, and always as their mean
 };
 
 struct EffortSettings {

@@ -53,6 +53,10 @@ void TileEncoder::encode_as(const TileTexels& tile, const TileLevels& known, Til
 
 // Encodes planes_ with the blocks, copies and colours of `known`.
 void TileEncoder::encode_again(const TileLevels& known, TileLevels& out) {
+    if (known.second_tree > 0) {
+        plane_trees_.encode_again(planes_, known, out);
+        return;
+    }
     tree_.search.set_tile(planes_);
     balanced_.resize(known.shape, coding_->planes);
     if (known.base_blocks > 0) {
@@ -155,12 +159,29 @@ float TileEncoder::encode_planes(TileLevels& out) {
 // Encodes the tile that the search has taken. Returns its cost: squared steps, plus lambda for
 // every bit.
 float TileEncoder::encode_taken(bool is_whole, TileLevels& out) {
-    if (is_coded_as_picture()) {
-        tree_.begin_tile(false, true);
-        return tree_.encode_picture({.shape = planes_.shape}, settings_->pictures, out);
-    }
+    if (is_coded_as_picture())
+        return encode_picture(out);
     tree_.search.choose_blocks(out);
     return encode_blocks(is_whole, out);
+}
+
+// The same for a picture: with one tree or with one for each plane, as a quick search decides.
+float TileEncoder::encode_picture(TileLevels& out) {
+    const PictureSearch& full = settings_->pictures;
+    if (!coding_->parameters.plane_trees)
+        return encode_one_tree(full, out);
+    PictureSearch quick = settings_->quick_pictures();
+    quick.directions = quick.directions && full.careful_trees;
+    const float shared = encode_one_tree(quick, out);
+    if (plane_trees_.encode(planes_, quick, out) >= shared)
+        return encode_one_tree(full, out);
+    const float cost = plane_trees_.encode(planes_, full, out);
+    return out.blocks.size() <= max_leaves ? cost : encode_one_tree(full, out);
+}
+
+float TileEncoder::encode_one_tree(const PictureSearch& search, TileLevels& out) {
+    tree_.begin_tile(false, true);
+    return tree_.encode_picture({.shape = planes_.shape}, search, out);
 }
 
 // The same from the blocks of BlockSearch::choose_blocks on.
@@ -295,9 +316,13 @@ bool TileEncoder::balance_levels(const TileTexels& tile, Means& error, TileLevel
 // the debt can be too small to change any.
 void TileEncoder::balance_again(const TileTexels& tile, Means& error, double gain,
                                 TileLevels& out) {
-    MeanDebt debt{error, out.shape.texels(), gain, *coding_, *colour_};
     balanced_ = tree_.decoded;
-    tree_.encode_again(out, balanced_, &debt, copies_);
+    if (out.second_tree > 0) {
+        plane_trees_.balance(out, error, gain, balanced_, copies_);
+    } else {
+        MeanDebt debt{error, out.shape.texels(), gain, *coding_, *colour_};
+        tree_.encode_again(out, balanced_, &debt, copies_);
+    }
     const Means now = meter_.error(tile, balanced_);
     has_decoded_ = largest_of(now) < largest_of(error);
     if (!has_decoded_)

@@ -8,6 +8,7 @@
 #include "codec/tile_encoder/effort_settings.h"
 #include "codec/tile_encoder/level_balance.h"
 #include "codec/tile_encoder/mean_balance.h"
+#include "codec/tile_encoder/plane_trees.h"
 #include "codec/tile_encoder/tree_encoder.h"
 
 #include <cstddef>
@@ -22,8 +23,9 @@ public:
     TileEncoder(const TileCoding& coding, const BitCosts& costs, const ColourCoding& colour,
                 const EffortSettings& settings)
         : coding_(&coding), colour_(&colour), settings_(&settings), tree_(coding, costs, settings),
-          base_tree_(coding, costs, settings), meter_(coding, colour),
-          level_balance_(coding, costs, colour, settings.quantizer.lambda) {}
+          base_tree_(coding, costs, settings), plane_trees_(coding, costs, settings),
+          meter_(coding, colour), level_balance_(coding, costs, colour, settings.quantizer.lambda) {
+    }
 
     // Replaces `out`.
     void encode(const TileTexels& tile, const BlockShape& shape, TileLevels& out);
@@ -49,6 +51,8 @@ private:
     void encode_likely_fill(TileLevels& out);
     float encode_planes(TileLevels& out);
     float encode_taken(bool is_whole, TileLevels& out);
+    float encode_picture(TileLevels& out);
+    float encode_one_tree(const PictureSearch& search, TileLevels& out);
     float encode_blocks(bool is_whole, TileLevels& out);
     void try_base(TileLevels& out, float& cost);
     void encode_base(const TilePlanes& picture, const PictureSearch& search);
@@ -67,6 +71,7 @@ private:
     const ColourCoding* colour_;
     const EffortSettings* settings_;
     TreeEncoder tree_, base_tree_; // of the tile, and of its base picture
+    PlaneTrees plane_trees_;
     TilePlanes planes_, picture_, balanced_;
     TileLevels copies_;
     MeanMeter meter_;

@@ -30,6 +30,7 @@ enum class CodingTool : std::uint8_t {
     chroma_from_luma, // Co and Cg of a block are predicted from its luma
     sines,            // residuals in pictures are transformed with sines or cosines
     no_transform,     // residuals in pictures are coded as they are along one axis or both
+    plane_trees,      // each of two channels of a picture may have a tree of its own
     planar,           // borders may be continued as a plane
     directions,       // borders may be continued along 32 directions
 };
@@ -55,6 +56,7 @@ inline constexpr std::array coding_tool_names = {"copies",
                                                  "chroma-from-luma",
                                                  "sines",
                                                  "no-transform",
+                                                 "plane-trees",
                                                  "planar",
                                                  "directions"};
 

@@ -84,7 +84,7 @@ BatchBuilder::Entry BatchBuilder::entry_of(std::span<const std::byte> payload,
     PayloadParts& parts = entry.parts;
     const auto tree_of = [&](std::span<const std::byte> segment) {
         return tree_size(segment, shape, tables_.code_tables(), static_cast<int>(tables_.planes()),
-                         tables_.predicts(), tables_.base());
+                         tables_.predicts(), tables_.plane_trees(), tables_.base());
     };
     entry.is_stored =
         tables_.has_stored_tiles() &&

@@ -157,6 +157,7 @@ void put_header(const FileHeader& header, const CodingParameters& coding, Words&
     words[tsr_t_fraction] = static_cast<std::uint32_t>(fraction_bits(desc.type));
     words[tsr_t_predicts] = coding.prediction;
     words[tsr_t_any_plane] = coding.transforms_any_plane;
+    words[tsr_t_plane_trees] = coding.plane_trees;
     words[tsr_t_smooth] = coding.smooth_copies;
     words[tsr_t_base_pictures] = coding.base.on;
     words[tsr_t_base_margin] = coding.base.margin;

@@ -50,6 +50,7 @@ public:
     bool has_corrections() const { return has_corrections_; }
     bool has_stored_tiles() const { return has_stored_tiles_; }
     bool predicts() const { return predicts_; }
+    bool plane_trees() const { return coding_.plane_trees; }
     const BasePictures& base() const { return base_; }
     bool filters() const { return filters_; }
     // Whether tiles may keep their values in the work buffer, for copies or for the filter.

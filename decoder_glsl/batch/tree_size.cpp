@@ -23,8 +23,10 @@ std::uint32_t items_of(const BlockShape& shape, int planes, int frequencies_s, i
 // tsr_border_block.
 class BorderList {
 public:
-    explicit BorderList(const BlockShape& picture)
-        : picture_(picture), step_(static_cast<std::size_t>(picture.texels()), not_there) {}
+    explicit BorderList(const BlockShape& picture) : picture_(picture) { begin(); }
+
+    // Begins another picture with these sides: the other plane, if each has a tree of its own.
+    void begin() { step_.assign(static_cast<std::size_t>(picture_.texels()), not_there); }
 
     // Adds the next block of the picture. `number`: of the block in its tile.
     void add(const Block& block, BorderMode mode, std::uint32_t number) {
@@ -44,10 +46,13 @@ public:
             std::fill_n(&at(u, v + y), block.shape.n[0], step);
     }
 
-    // Appends the list, if there are such blocks.
-    void put(std::vector<std::uint32_t>& words) {
-        if (found_.empty())
+    // Appends the list, if there are such blocks or if an empty one is `needed`.
+    void put(bool needed, std::vector<std::uint32_t>& words) {
+        if (found_.empty()) {
+            if (needed)
+                words.push_back(0);
             return;
+        }
         std::stable_sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
             return a.step < b.step; // of the blocks of a step any order will do
         });
@@ -97,8 +102,9 @@ private:
 class TreeCounter {
 public:
     TreeCounter(std::span<const std::byte> segment, const CodeTables& tables, int planes,
-                bool predicts, const BasePictures& base)
-        : rans_(segment), tables_(tables), planes_(planes), predicts_(predicts), base_(base) {}
+                bool predicts, bool plane_trees, const BasePictures& base)
+        : rans_(segment), tables_(tables), planes_(planes), predicts_(predicts),
+          plane_trees_(plane_trees), base_(base) {}
 
     // Returns false for a tree that the format forbids.
     bool count(const BlockShape& tile) {
@@ -108,6 +114,14 @@ public:
             const auto leaf = [&](const Block& block) { return add(block) && decode_mode(block); };
             if (!decode_split_tree(rans_, tables_, base_root(*base), node, leaf))
                 return false;
+        }
+        if (plane_trees_ && is_picture(tile) && rans_.raw(1) != 0) {
+            size.base = tile; // see tsr_copy_words
+            has_plane_trees_ = true;
+            const auto leaf = [&](const Block& block) { return add(block) && decode_mode(block); };
+            if (!decode_split_tree(rans_, tables_, Block{.shape = tile}, node, leaf))
+                return false;
+            mode_memory_ = {};
         }
         base_blocks_ = blocks_.size();
         const auto leaf = [&](const Block& block) {
@@ -127,15 +141,19 @@ public:
         size.too_deep = depths.largest > max_copy_depth;
         size.waves = 1 + static_cast<std::uint32_t>(depths.largest);
         for (std::size_t i = 0; i < blocks_.size(); ++i)
-            size.copies.push_back(i < base_blocks_   ? base_word(tile) | mode_word(i)
+            size.copies.push_back(has_plane_trees_   ? plane_word(i) | mode_word(i)
+                                  : i < base_blocks_ ? base_word(tile) | mode_word(i)
                                   : is_picture(tile) ? mode_word(i)
                                                      : copy_word(predictions_[i], depths.depth[i]));
         if (mode_contexts_.empty())
             return;
         BorderList borders(size.base ? *size.base : tile);
-        for (std::size_t i = 0; i < mode_contexts_.size(); ++i)
+        for (std::size_t i = 0; i < mode_contexts_.size(); ++i) {
+            if (has_plane_trees_ && i == base_blocks_)
+                borders.begin();
             borders.add(blocks_[i], predictions_[i].mode, static_cast<std::uint32_t>(i));
-        borders.put(size.borders);
+        }
+        borders.put(has_plane_trees_, size.borders);
     }
 
     TreeSize size{.blocks = 0, .base = {}, .items = 0};
@@ -152,6 +170,10 @@ private:
     // The copy record of a block of the base picture, and of any picture.
     static std::uint32_t base_word(const BlockShape& tile) {
         return tsr_copy_of_base | static_cast<std::uint32_t>(base_fineness(tile)) << 16;
+    }
+    // Of a block of a tile in which each plane has a tree of its own.
+    std::uint32_t plane_word(std::size_t block) const {
+        return tsr_copy_one_plane | (block < base_blocks_ ? tsr_copy_of_base : 0);
     }
     std::uint32_t mode_word(std::size_t block) const {
         const BorderMode mode = predictions_[block].mode;
@@ -185,7 +207,8 @@ private:
     RansDecoder rans_;
     const CodeTables& tables_;
     const int planes_;
-    const bool predicts_;
+    const bool predicts_, plane_trees_;
+    bool has_plane_trees_ = false;
     const BasePictures& base_;
     PredictionMemory memory_;
     ModeMemory mode_memory_;
@@ -198,10 +221,11 @@ private:
 } // namespace
 
 TreeSize tree_size(std::span<const std::byte> segment, const BlockShape& tile,
-                   const CodeTables& tables, int planes, bool predicts, const BasePictures& base) {
+                   const CodeTables& tables, int planes, bool predicts, bool plane_trees,
+                   const BasePictures& base) {
     // A damaged tile is drawn as one block without coefficients.
     const std::uint32_t background = items_of(tile, planes, 1, 1);
-    TreeCounter counter(segment, tables, planes, predicts, base);
+    TreeCounter counter(segment, tables, planes, predicts, plane_trees, base);
     if (!counter.count(tile))
         return {.items = background};
     counter.count_predictions(tile);

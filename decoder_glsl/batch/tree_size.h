@@ -16,7 +16,9 @@ namespace tessera {
 
 struct TreeSize {
     std::uint32_t blocks = 1;
-    std::optional<BlockShape> base{};     // shape of the tile's base picture, if it has one
+    // Shape of the tile's base picture, if it has one, or of the tile if each of two planes has a tree
+    // of its own.
+    std::optional<BlockShape> base{};
     std::uint32_t items = 1;              // upper bound of the items for texels.comp
     std::vector<std::uint32_t> copies{};  // a copy record per block of a predicted tile; else empty
     std::vector<std::uint32_t> borders{}; // the border list of a picture; else empty
@@ -27,8 +29,10 @@ struct TreeSize {
 
 // Decodes the tree at the start of `segment`, which is a tile's first stream. A tree that the
 // format forbids counts as one block, because the device draws the tile as one. `predicts`: leaves
-// have predictions; `base`: the file's parameters of base pictures.
+// have predictions; `plane_trees`: CodingParameters::plane_trees; `base`: the file's parameters of base
+// pictures.
 TreeSize tree_size(std::span<const std::byte> segment, const BlockShape& tile,
-                   const CodeTables& tables, int planes, bool predicts, const BasePictures& base);
+                   const CodeTables& tables, int planes, bool predicts, bool plane_trees,
+                   const BasePictures& base);
 
 } // namespace tessera

@@ -10,7 +10,7 @@ using namespace layout;
 
 Result<GlMips> GlMips::create(const TextureFile& file, bool cached) {
     GlMips mips;
-    mips.mips_ = file.mips->count();
+    mips.mips_ = file.mips.count();
     mips.half_ = file.half;
     auto defines = file.output_defines();
     if (cached)

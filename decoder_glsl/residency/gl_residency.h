@@ -54,7 +54,7 @@ struct TextureFile {
     std::uint64_t budget; // bytes, of all textures that were created together
     BudgetShare share;
     GlTileDecoder decoder;
-    std::shared_ptr<const AtlasMips> mips; // never null; none without a mesh's atlas
+    AtlasMips mips; // none without a mesh's atlas
 
     TexelFormat format() const { return half ? TexelFormat::rgba16f : TexelFormat::rgba8; }
     std::vector<ShaderDefine> output_defines() const {

@@ -124,7 +124,7 @@ private:
     // Plans as many slots as the budget leaves after everything else, but no more than tiles to
     // decode.
     Status plan_memory() {
-        const CacheSlot slot = cache_slot(grid_, file_.mips->count() > 0);
+        const CacheSlot slot = cache_slot(grid_, file_.mips.count() > 0);
         slot_bytes_ =
             std::uint64_t{slot.width} * slot.height * texel_bytes(file_.format()) + job_bytes;
         const std::uint64_t budget = file_.share.of(file_.budget);
@@ -174,7 +174,7 @@ private:
                                 "sampler parameters"));
         TESSERA_TRY(parameters_.clear(0));
         TESSERA_TRY(parameters_.upload(0, std::as_bytes(std::span(words_))));
-        if (file_.mips->count() > 0) {
+        if (file_.mips.count() > 0) {
             TESSERA_TRY_ASSIGN(mips_, GlMips::create(file_, true));
         }
         return {};
@@ -344,7 +344,7 @@ private:
     }
 
     Status compute_mips(const std::vector<DecodeJob>& jobs) {
-        if (file_.mips->count() == 0)
+        if (file_.mips.count() == 0)
             return {};
         for (const DecodeJob& job : jobs) {
             const Box4 box = grid_.box(job.tile);

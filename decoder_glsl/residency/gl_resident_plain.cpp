@@ -74,12 +74,12 @@ public:
 
 private:
     static PlainLayout layout_of(const TextureFile& file) {
-        return plain_layout(file.mips->count() > 0 ? file.mips->kept_size()
-                                                   : file.reader.desc().size);
+        return plain_layout(file.mips.count() > 0 ? file.mips.kept_size()
+                                                  : file.reader.desc().size);
     }
 
     Status compute_mips(const TextureFile& file) {
-        if (file.mips->count() == 0)
+        if (file.mips.count() == 0)
             return {};
         TESSERA_TRY_ASSIGN(GlMips mips, GlMips::create(file, false));
         const TileGrid& grid = file.reader.grid();
@@ -121,9 +121,9 @@ private:
             };
             for (std::uint32_t i = 0; i < words[tsr_p_size + axis]; ++i)
                 add(i);
-            for (unsigned mip = 1; mip <= file.mips->count(); ++mip)
-                for (std::uint32_t i = 0; i < file.mips->size(mip)[axis]; ++i)
-                    add(file.mips->begin(mip)[axis] + i);
+            for (unsigned mip = 1; mip <= file.mips.count(); ++mip)
+                for (std::uint32_t i = 0; i < file.mips.size(mip)[axis]; ++i)
+                    add(file.mips.begin(mip)[axis] + i);
         };
         fold_axis(0, plain.plan.fold_u, plain.plan.stride_s);
         fold_axis(1, plain.plan.fold_v, plain.plan.stride_t);

@@ -54,15 +54,14 @@ bool has_atlas(const ContainerReader& reader) {
 
 // Mips need the mesh of the file. Where it does not decode there are none, and an application can
 // still draw the texture on a mesh of its own.
-std::shared_ptr<const AtlasMips> mips_of(const ContainerReader& reader, const SurfaceMesh* given,
-                                         SharedAtlasMips& shared) {
+AtlasMips mips_of(const ContainerReader& reader, const SurfaceMesh* given) {
     if (given != nullptr)
-        return shared.of(*given, reader.grid());
+        return {*given, reader.grid()};
     constexpr std::uint64_t most_bytes = 1ull << 30; // while it is decoded
-    if (has_atlas(reader))
-        if (const auto mesh = decode_mesh(reader.proxy_mesh(), most_bytes); mesh.ok())
-            return std::make_shared<const AtlasMips>(*mesh, reader.grid());
-    return std::make_shared<const AtlasMips>();
+    if (!has_atlas(reader))
+        return {};
+    const auto mesh = decode_mesh(reader.proxy_mesh(), most_bytes);
+    return mesh.ok() ? AtlasMips(*mesh, reader.grid()) : AtlasMips();
 }
 
 TextureShape decoded_shape(const ContainerReader& reader) {
@@ -138,7 +137,7 @@ Residency choose_residency(const ContainerReader& reader, std::uint64_t budget) 
 
 std::vector<std::uint32_t> sampler_words(const TextureFile& file) {
     const TileGrid& grid = file.reader.grid();
-    const AtlasMips& mips = *file.mips;
+    const AtlasMips& mips = file.mips;
     const CacheSlot slot = cache_slot(grid, mips.count() > 0);
     std::vector<std::uint32_t> words(tsr_sampler_words, 0);
     for (std::size_t axis = 0; axis < 4; ++axis) {
@@ -236,8 +235,7 @@ SampledTexture::~SampledTexture() = default;
 
 // Everything but the residency.
 Result<std::unique_ptr<SampledTexture::State>>
-SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptions& options,
-                        SharedAtlasMips& shared) {
+SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptions& options) {
     TESSERA_TRY(check_device().with_context("this device cannot decode Tessera files"));
     if (reader.alignment().any())
         return Status{ErrorCode::unsupported,
@@ -261,10 +259,9 @@ SampledTexture::prepare(const ContainerReader& reader, const SampledTextureOptio
     TESSERA_TRY_ASSIGN(auto tables, DecodeTables::make(reader));
     const bool half = traits_of(reader.desc().type).is_float;
     TESSERA_TRY_ASSIGN(auto decoder, GlTileDecoder::create(tables, half));
-    auto mips = mips_of(reader, options.mesh, shared);
-    if (options.residency == Residency::on_feedback && !cache_slot(grid, mips->count() > 0).fits())
-        mips = std::make_shared<
-            const AtlasMips>(); // a slot with mips beside such long tiles is too large for a texture
+    AtlasMips mips = mips_of(reader, options.mesh);
+    if (options.residency == Residency::on_feedback && !cache_slot(grid, mips.count() > 0).fits())
+        mips = {}; // a slot with mips beside such long tiles is too large for a texture
     return std::unique_ptr<State>(new State{.options = options,
                                             .file = {.reader = reader,
                                                      .tables = std::move(tables),
@@ -300,11 +297,10 @@ SampledTexture::create(std::span<const SampledTextureRequest> files, std::uint64
 Result<std::vector<SampledTexture>>
 SampledTexture::create_plain(std::span<const SampledTextureRequest> files, std::uint64_t budget) {
     std::vector<SampledTexture> textures;
-    SharedAtlasMips mips;
     for (const SampledTextureRequest& file : files) {
         SampledTextureOptions options = file.options;
         options.budget = budget;
-        TESSERA_TRY_ASSIGN(std::unique_ptr<State> state, prepare(*file.reader, options, mips));
+        TESSERA_TRY_ASSIGN(std::unique_ptr<State> state, prepare(*file.reader, options));
         TESSERA_TRY_ASSIGN(state->resident,
                            make_plain_texture(state->file, options.hardware_filter));
         textures.push_back(SampledTexture(std::move(state)));
@@ -325,9 +321,8 @@ SampledTexture::create_cached(std::span<const SampledTextureRequest> files, std:
     std::vector<Part> parts;
     std::uint64_t tiles = 0, fixed_of_all = 0;
     double weights = 0;
-    SharedAtlasMips mips;
     for (const SampledTextureRequest& file : files) {
-        TESSERA_TRY_ASSIGN(auto state, prepare(*file.reader, file.options, mips));
+        TESSERA_TRY_ASSIGN(auto state, prepare(*file.reader, file.options));
         auto words = sampler_words(state->file);
         const auto weight = static_cast<double>(decoded_bytes(*file.reader) + least_weight);
         state->file.budget = budget;
@@ -358,17 +353,14 @@ SampledTexture::create_cached(std::span<const SampledTextureRequest> files, std:
 }
 
 Result<SampledTexture> SampledTexture::from_texels(const ContainerReader& reader,
-                                                   TexelSource& source, bool hardware_filter,
-                                                   const SurfaceMesh* mesh) {
+                                                   TexelSource& source, bool hardware_filter) {
     if (source.desc() != reader.desc())
         return Status{ErrorCode::difference,
                       reader.name() + ": the texels to upload have another size or type"};
     SampledTextureOptions options;
     options.residency = Residency::on_load;
     options.hardware_filter = hardware_filter;
-    options.mesh = mesh;
-    SharedAtlasMips mips;
-    TESSERA_TRY_ASSIGN(std::unique_ptr<State> state, prepare(reader, options, mips));
+    TESSERA_TRY_ASSIGN(std::unique_ptr<State> state, prepare(reader, options));
     TESSERA_TRY_ASSIGN(state->resident,
                        make_uploaded_texture(state->file, source, hardware_filter));
     return SampledTexture(std::move(state));

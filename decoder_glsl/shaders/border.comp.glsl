@@ -6,6 +6,10 @@
 // The blocks of a step need only blocks of earlier steps, and blocks that are not predicted. A group
 // goes through all steps of its tile, so a barrier between two steps suffices. The invocations share
 // the blocks of a step: all 64 work on a single block, and 16 on each of four or more.
+//
+// Where each of two planes has a split tree of its own, the blocks of plane 0 have their values where
+// those of a base picture would be. When all steps are done, the group joins the planes and writes
+// the texels.
 #define TSR_COHERENT_WORK
 #include "target.glsl"
 
@@ -16,6 +20,7 @@ struct TsrBorder {
     uint steps;
     uint ends;   // word of the first step's end
     uint blocks; // of all steps
+    bool joins;  // the tile has a border list, and so may have planes to join
 };
 
 TsrBorder tsr_border(uint tile) {
@@ -24,6 +29,7 @@ TsrBorder tsr_border(uint tile) {
     border.steps = 0u;
     border.ends = 0u;
     border.blocks = 0u;
+    border.joins = false;
     if (tile >= tsr_header(tsr_b_tiles))
         return border;
     uint list = tsr_tile(tile, tsr_tile_borders);
@@ -33,7 +39,9 @@ TsrBorder tsr_border(uint tile) {
     border.steps = min(tsr_batch_word(at), uint(tsr_max_blocks));
     border.ends = at + 1u;
     border.record = border.ends + border.steps;
-    border.blocks = min(tsr_batch_word(border.record - 1u), uint(tsr_max_blocks));
+    border.joins = true;
+    if (border.steps > 0u)
+        border.blocks = min(tsr_batch_word(border.record - 1u), uint(tsr_max_blocks));
     return border;
 }
 
@@ -42,6 +50,7 @@ struct TsrPictureBlock {
     TsrFormat format;
     TsrTarget dest;
     bool of_base;
+    bool has_all_planes;
     int mode;
     ivec2 origin;
     ivec2 sides;
@@ -60,7 +69,9 @@ TsrPictureBlock tsr_picture_block(uint tile, uint record) {
     uint at = tsr_block_at(tile, block);
     b.format = tsr_format();
     b.dest = tsr_target(tile);
-    b.of_base = (tsr_copy(tile, block) & tsr_copy_of_base) != 0u;
+    uint copy = tsr_copy(tile, block);
+    b.of_base = (copy & tsr_copy_of_base) != 0u;
+    b.has_all_planes = (copy & tsr_copy_one_plane) == 0u;
     b.mode = int(word >> 12) & 63;
     ivec4 origin = tsr_origin_of(tsr_work_word(at + uint(tsr_k_place)));
     b.origin = ivec2(origin.x, origin.y);
@@ -192,7 +203,7 @@ void tsr_predict_texel(TsrPictureBlock b, ivec4 mean, int x, int y) {
     int limit = tsr_value_limit(b.format);
     ivec4 value = clamp(tsr_value_in(b.format, b.dest, at) + predicted, -limit, limit - 1);
     tsr_keep_value(b.format, b.dest, value, at);
-    if (b.of_base || b.format.filtered)
+    if (b.of_base || !b.has_all_planes || b.format.filtered)
         return;
     ivec4 codes = tsr_corrected(b.format, b.dest, tsr_codes(b.format, value), u, v, 0, 0);
     tsr_write_texel(ivec3(tsr_place(b.dest, u, v)), tsr_samples(b.format, codes));
@@ -229,6 +240,28 @@ void tsr_predict_step(uint tile, TsrBorder border, uint begin, uint end, int lan
     }
 }
 
+// Joins the planes of a tile in which each has a split tree of its own.
+void tsr_join_planes(uint tile, int lane) {
+    if (tsr_is_damaged(tile) || (tsr_copy(tile, 0u) & tsr_copy_one_plane) == 0u)
+        return;
+    TsrFormat format = tsr_format();
+    TsrTarget dest = tsr_target(tile);
+    int width = max(dest.sides.x, 1);
+    int texels = width * dest.sides.y;
+    for (int i = lane; i < texels; i += TSR_TEXEL_GROUP) {
+        TSR_LOOP;
+        int v = i / width;
+        int u = i - v * width;
+        uint at = tsr_value_at(dest, u, v, 0, 0);
+        ivec4 value = tsr_value_in(format, dest, at);
+        value.x = tsr_value_in(format, dest, tsr_base_value_at(dest, u, v)).x;
+        tsr_keep_value(format, dest, value, at);
+        if (!format.filtered)
+            tsr_write_texel(ivec3(tsr_place(dest, u, v)),
+                            tsr_samples(format, tsr_codes(format, value)));
+    }
+}
+
 #ifndef __cplusplus
 void tsr_end_step() {
 #ifdef TSR_TRANSLATED
@@ -250,5 +283,7 @@ void main() {
         begin = end;
         tsr_end_step();
     }
+    if (border.joins)
+        tsr_join_planes(gl_WorkGroupID.x, int(gl_LocalInvocationIndex));
 }
 #endif

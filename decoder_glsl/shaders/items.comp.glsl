@@ -49,7 +49,7 @@ void tsr_cut_tile(uint tile, uint lane) {
     uint blocks = min(tsr_work_word(state + uint(tsr_st_blocks)), uint(tsr_max_blocks));
     for (uint block = lane; block < blocks; block += uint(TSR_TEXEL_GROUP)) {
         TSR_LOOP;
-        if (predicted && ((tsr_copy(tile, block) >> 8) & 255u) != wave)
+        if (predicted && ((tsr_copy(tile, block) >> 8) & 15u) != wave)
             continue;
         uint at = tsr_block_at(tile, block);
         tsr_cut_block(tile, block, tsr_work_word(at + uint(tsr_k_shape)),

@@ -73,7 +73,8 @@ const int tsr_t_filtered = 20;         // 1: the file has a filter
 const int tsr_t_base_pictures = 21;    // 1: tiles may have a base picture
 const int tsr_t_base_margin = 22;      // texels
 const int tsr_t_any_plane = 23;        // 1: transform symbols also follow planes 1 to 3
-const int tsr_t_fields = 24;           // number of these words
+const int tsr_t_plane_trees = 24;      // 1: each of two planes may have a split tree of its own
+const int tsr_t_fields = 25;           // number of these words
 
 // Probability tables hold the starts of their symbols in pairs, c[1] | c[2] << 16 and so on, padded
 // with 4096: one word where there are at most three symbols, two where there are at most five, and
@@ -238,10 +239,12 @@ const int tsr_correction_words = 4;
 // << 24, in half texels or, from the base picture, in eighths. A block of the base picture itself
 // has 4 | fineness << 16. A block of a picture has the context of its mode << 4. If the mode is
 // above 0 it also has 8 and, << 24, 1 + the context of its transform, or 0 if it has no transform
-// symbol.
+// symbol. Where each plane has a split tree of its own, all blocks have 4096, and those of plane 0
+// have 4 as well: the tree of plane 0 is kept like that of a base picture with the tile's sides.
 const int tsr_copy_words = 1;
 const uint tsr_copy_of_base = 4u;
 const uint tsr_copy_of_border = 8u;
+const uint tsr_copy_one_plane = 4096u;
 const int tsr_copy_transform = 24;
 
 // A border list: the blocks of a picture that are predicted from their border, in an order in which

@@ -66,6 +66,8 @@ struct TsrSegmentWalk {
     uint counts;    // see tsr_k_counts
     uint largest_s; // frequency
     uint largest_t;
+    int first_plane;
+    int planes_end;
     // The plane.
     int plane;
     int size;         // coded coefficients
@@ -80,11 +82,19 @@ struct TsrSegmentWalk {
     int last_kind;    // of the last block with a colour symbol: 0 plain, 1 rotated, 2 with shares
     uint last_colour; // of the last block that was not plain
     ivec2 shares;     // of luma in Co and Cg, in the last block that has shares
+    bool alike;       // all planes have the tables of plane 0
     bool damaged;
 };
 
 void tsr_begin_block(TSR_INOUT(TsrSegmentWalk) w) {
-    w.plane = 0;
+    w.first_plane = 0;
+    w.planes_end = int(tsr_table(tsr_t_planes));
+    uint copy = w.alike ? tsr_copy(w.tile, w.block) : 0u;
+    if ((copy & tsr_copy_one_plane) != 0u) {
+        w.first_plane = (copy & tsr_copy_of_base) != 0u ? 0 : 1;
+        w.planes_end = w.first_plane + 1;
+    }
+    w.plane = w.first_plane;
     w.colour = 0u;
     w.axes = 0u;
     w.first = w.count;
@@ -172,7 +182,7 @@ void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
     uint table = uint(tsr_t_other_length + w.first_token * tsr_symbol_words);
     if (is_share) {
         table = uint(tsr_t_share + (2 - w.shares_left) * tsr_symbol_words);
-    } else if (w.plane == 0) {
+    } else if (w.plane == 0 || w.alike) {
         w.copies = (tsr_copy(w.tile, w.block) & 3u) != 0u;
         table = uint(w.copies ? tsr_t_copying_length : tsr_t_first_length) +
                 tsr_shape(w.shape, tsr_s_size_class) * uint(tsr_symbol_words);
@@ -205,7 +215,7 @@ void tsr_plane_head(TSR_INOUT(TsrSegmentWalk) w) {
         tsr_take_share(w, last != 0u ? -length : length);
     if (has_colour)
         tsr_take_kind(w, kind, last);
-    bool may_follow = w.plane == 0 || (tsr_table(tsr_t_any_plane) != 0u && w.cross_words == 0u);
+    bool may_follow = w.plane == w.first_plane || (tsr_table(tsr_t_any_plane) != 0u && w.cross_words == 0u);
     if (may_follow && w.size > 0 && w.shares_left == 0)
         tsr_take_transform(w);
 }
@@ -234,7 +244,7 @@ int tsr_next_state(int state, uint magnitude) {
 int tsr_magnitude_table(TsrSegmentWalk w, int quantiser, int neighbours, int cross) {
     bool dc = w.at == 0;
     int first = ((w.copies ? 2 : 0) + quantiser) * tsr_magnitude_tables;
-    if (w.plane == 0)
+    if (w.plane == 0 || w.alike)
         return first + (dc ? tsr_first_magnitude_dc : 0) + neighbours;
     if (dc)
         return first + tsr_other_magnitude_dc + neighbours;
@@ -267,7 +277,7 @@ void tsr_coefficient(TSR_INOUT(TsrSegmentWalk) w) {
     bool dependent = tsr_table(tsr_t_dependent) != 0u;
     int quantiser = w.state & 1;
     int row = ((w.copies ? 2 : 0) + quantiser) * tsr_zero_rows +
-              (w.plane == 0 ? 0 : 1 + cross_class);
+              (w.plane == 0 || w.alike ? 0 : 1 + cross_class);
     int zero = tsr_t_zero +
                (row * tsr_zero_positions + int(context >> 16)) * tsr_neighbour_classes + neighbours;
     uint magnitude = 0u;
@@ -324,17 +334,18 @@ TsrSegmentWalk tsr_start_segment(uint tile, uint segment_of_tile, uint segment, 
     w.shares_left = 0;
     w.own = 0u;
     w.cross = 0u;
+    w.alike = tsr_table(tsr_t_plane_trees) != 0u;
     w.damaged = false;
     return w;
 }
 
 // Ends a plane and, after the last plane, its block.
-void tsr_end_plane(TSR_INOUT(TsrSegmentWalk) w, int planes, uint end) {
+void tsr_end_plane(TSR_INOUT(TsrSegmentWalk) w, uint end) {
     w.cross_words = max(w.cross_words, uint(w.size + 7) >> 3);
     w.plane += 1;
     w.size = 0;
     w.at = 0;
-    if (w.plane < planes)
+    if (w.plane < w.planes_end)
         return;
     tsr_end_block(w);
     if (w.block < end)
@@ -371,7 +382,6 @@ void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
         tsr_damage(tile, tsr_damage_segments);
         return;
     }
-    int planes = int(tsr_table(tsr_t_planes));
     if (w.block < end)
         tsr_begin_block(w);
     for (int round = 0; round < rounds; ++round) {
@@ -385,7 +395,7 @@ void tsr_decode_segment(uint tile, uint segment_of_tile, uint lane) {
             rounds += w.shares_left == 2 ? 2 : 0; // they take a round each
         }
         if (w.at == w.size)
-            tsr_end_plane(w, planes, end);
+            tsr_end_plane(w, end);
     }
     tsr_end_segment(w, segment, end);
 }

@@ -354,7 +354,8 @@ void tsr_sum_t(TsrItem item, int lane) {
             if (item.dest.values != tsr_none) {
                 ivec4 value = tsr_predicted(item, values, u, v, in_s, in_t);
                 if (item.format.filtered ||
-                    (item.copies & (tsr_copy_of_base | tsr_copy_of_border)) != 0u)
+                    (item.copies &
+                     (tsr_copy_of_base | tsr_copy_of_border | tsr_copy_one_plane)) != 0u)
                     continue; // a later pass writes the texel, or it is not shown
                 codes = tsr_codes(item.format, value);
             } else

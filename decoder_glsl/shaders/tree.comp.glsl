@@ -6,7 +6,7 @@ struct TsrNode {
     uint place; // origin, as in tsr_k_place
     uint shape;
     uint depths; // spatial splits above | angular splits << 8
-    bool of_base; // of the base picture's tree
+    bool of_base; // of the base picture's tree, or of plane 0 where each plane has a tree
 };
 
 // Word of a shape's record with the children of a split: 1 along u and v, 2 along s and t, 3 along
@@ -77,6 +77,12 @@ bool tsr_has_base(TSR_INOUT(TsrRans) r, ivec4 sides) {
         max(sides.x, sides.y) > tsr_max_block_side)
         return false;
     return tsr_symbol3(r, uint(tsr_t_base)) != 0;
+}
+
+// Decodes whether each plane of a tile of one view has a tree of its own. That of plane 0 is then
+// decoded like that of a base picture.
+bool tsr_has_plane_trees(TSR_INOUT(TsrRans) r, bool is_picture) {
+    return is_picture && tsr_table(tsr_t_plane_trees) != 0u && tsr_raw(r, 1) != 0u;
 }
 
 struct TsrTree {
@@ -158,7 +164,8 @@ TsrTree tsr_start_tree(uint tile) {
     tree.nodes = 0u;
     ivec4 sides = tsr_sides_of(tsr_tile(tile, tsr_tile_shape));
     tree.is_picture = sides.z * sides.w == 1;
-    tree.has_base = tsr_has_base(tree.r, sides);
+    tree.has_base =
+        tsr_has_base(tree.r, sides) || tsr_has_plane_trees(tree.r, tree.is_picture);
     tree.copies = false;
     tree.copies_base = false;
     return tree;
@@ -184,7 +191,7 @@ void tsr_decode_tree(uint tile) {
     } else if (tree.has_base) { // its tree comes first
         stack[1].place = 0u;
         stack[1].shape = base;
-        stack[1].depths = tsr_depths_of_base;
+        stack[1].depths = tree.is_picture ? 0u : tsr_depths_of_base;
         stack[1].of_base = true;
         waiting = 2;
     }

@@ -169,7 +169,8 @@ std::string feature_name(unsigned bit) {
                                      "aligned views",
                                      "layers",
                                      "axes without a transform",
-                                     "transforms of blocks without a first plane"};
+                                     "transforms of blocks without a first plane",
+                                     "a split tree for each plane"};
     return bit < std::size(names) ? names[bit] : "bit " + std::to_string(bit);
 }
 

@@ -106,16 +106,6 @@ AtlasMips::AtlasMips(const SurfaceMesh& mesh, const TileGrid& grid)
     }
 }
 
-std::shared_ptr<const AtlasMips> SharedAtlasMips::of(const SurfaceMesh& mesh,
-                                                     const TileGrid& grid) {
-    for (const Known& known : known_)
-        if (known.mesh == &mesh && known.size == grid.size() && known.tile == grid.tile_extent())
-            return known.mips;
-    known_.push_back(
-        {&mesh, grid.size(), grid.tile_extent(), std::make_shared<const AtlasMips>(mesh, grid)});
-    return known_.back().mips;
-}
-
 Extent4 AtlasMips::kept_size(const TileGrid& grid) {
     Extent4 kept = grid.size();
     const unsigned count = halvings(grid);

@@ -13,7 +13,7 @@ namespace {
 constexpr unsigned rotation_flag = 1, prediction_flag = 2, dependent_flag = 4, smooth_flag = 8,
                    filter_flag = 16, base_flag = 32, v_against_u_flag = 64, weights_flag = 128,
                    differences_flag = 256, pictures_flag = 512, no_transform_flag = 1024,
-                   any_plane_flag = 2048, known_flags = 4095;
+                   any_plane_flag = 2048, plane_trees_flag = 4096, known_flags = 8191;
 
 // The probabilities with which the differences from the defaults are coded, which the writer fits
 // to them: that a difference is 0 after a difference of 0, that it is 0 after another difference,
@@ -91,7 +91,8 @@ std::vector<std::byte> write_coding_parameters(const CodingParameters& coding, i
             (differs ? differences_flag : 0) |
             (coding.defaults == DefaultSet::pictures ? pictures_flag : 0) |
             (coding.leaves_out_transforms ? no_transform_flag : 0) |
-            (coding.transforms_any_plane ? any_plane_flag : 0),
+            (coding.transforms_any_plane ? any_plane_flag : 0) |
+            (coding.plane_trees ? plane_trees_flag : 0),
         2);
     for (int plane = 0; plane < planes; ++plane)
         put(coding.step[static_cast<std::size_t>(plane)].bits, 2);
@@ -161,7 +162,7 @@ private:
     bool cut_off_ = false;
 };
 
-Status read_flags(unsigned flags, CodingParameters& coding) {
+Status read_flags(unsigned flags, int planes, CodingParameters& coding) {
     if ((flags & ~known_flags) != 0)
         return bad_section("unknown flags");
     coding.colour_rotation = (flags & rotation_flag) != 0;
@@ -177,6 +178,9 @@ Status read_flags(unsigned flags, CodingParameters& coding) {
     coding.transforms_any_plane = (flags & any_plane_flag) != 0;
     if (coding.transforms_any_plane && !coding.prediction)
         return bad_section("transforms of blocks without a first plane, but no predictions");
+    coding.plane_trees = (flags & plane_trees_flag) != 0;
+    if (coding.plane_trees && (!coding.prediction || planes != 2))
+        return bad_section("a split tree for each plane, but no predictions or not two planes");
     coding.base.on = (flags & base_flag) != 0;
     coding.base.v_against_u = (flags & v_against_u_flag) != 0;
     if (coding.base.on ? !coding.prediction : coding.base.v_against_u)
@@ -250,7 +254,7 @@ Result<CodingParameters> read_coding_parameters(std::span<const std::byte> bytes
     CodeReader in(bytes);
     CodingParameters coding;
     const unsigned flags = in.u16();
-    TESSERA_TRY(read_flags(flags, coding));
+    TESSERA_TRY(read_flags(flags, planes, coding));
     TESSERA_TRY(read_steps_and_offsets(in, planes, coding));
     if ((flags & weights_flag) != 0)
         for (std::uint8_t& weight : coding.scan_weights)
@@ -290,7 +294,8 @@ Result<CodingParameters> with_coarser_steps(CodingParameters coding, unsigned st
 std::uint64_t features_of(const CodingParameters& coding) {
     return (coding.prediction ? feature_prediction : 0) |
            (coding.leaves_out_transforms ? feature_no_transform : 0) |
-           (coding.transforms_any_plane ? feature_any_plane : 0);
+           (coding.transforms_any_plane ? feature_any_plane : 0) |
+           (coding.plane_trees ? feature_plane_trees : 0);
 }
 
 Status check_features(const CodingParameters& coding, std::uint64_t required_features) {
@@ -304,6 +309,9 @@ Status check_features(const CodingParameters& coding, std::uint64_t required_fea
     if ((differs & feature_any_plane) != 0)
         return {ErrorCode::invalid_file, "section CODE and the header disagree about transforms of "
                                          "blocks without a first plane (required feature 9)"};
+    if ((differs & feature_plane_trees) != 0)
+        return {ErrorCode::invalid_file, "section CODE and the header disagree about a split tree "
+                                         "for each plane (required feature 10)"};
     if (coding.prediction && (required_features & feature_corrections) != 0)
         return {ErrorCode::invalid_file, "a file cannot have both prediction and corrections"};
     return {};

@@ -28,6 +28,9 @@ struct CodingParameters {
     // A block's transform symbol follows the length of its first plane that has one, not that of plane
     // 0 (required feature 9); with prediction.
     bool transforms_any_plane = false;
+    // Each plane of a tile of one view may have a split tree of its own (required feature 10); with
+    // prediction, in files of two planes.
+    bool plane_trees = false;
     bool smooth_copies = false; // copies use the smooth filter of 4.6; only with prediction
     BasePictures base;          // only with prediction
     TileFilter filter;          // of decoded tiles

@@ -222,6 +222,8 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
                              File{{{2, 3, 17, 5}, SampleType::unorm8, 1}, {2, 3, 17, 5}},
                              File{{{41, 2, 3, 2}, SampleType::unorm8, 3}, {64, 2, 3, 2}},
                              File{{{19, 14, 1, 1}, SampleType::half16, 3}, {19, 14, 1, 1}},
+                             File{{{21, 14, 1, 1}, SampleType::unorm8, 2}, {21, 14, 1, 1}},
+                             File{{{11, 18, 1, 1}, SampleType::half16, 2}, {11, 18, 1, 1}},
                              File{{{70, 5, 1, 1}, SampleType::unorm8, 4}, {70, 5, 1, 1}}}) {
         Random random(++number);
         CodingParameters parameters;
@@ -236,6 +238,7 @@ std::vector<std::unique_ptr<ShaderOracle>> small_files() {
         parameters.prediction = true;
         parameters.leaves_out_transforms = number % 3 != 0;
         parameters.transforms_any_plane = number % 2 == 1;
+        parameters.plane_trees = file.desc.channels == 2;
         parameters.smooth_copies = number % 4 >= 2;
         parameters.base = {.on = number % 2 == 0, .margin = 3, .v_against_u = number % 4 == 0};
         files.push_back(

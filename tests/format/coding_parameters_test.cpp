@@ -99,6 +99,7 @@ TEST(CodingParameters, RoundTrip) {
         EXPECT_EQ(got->smooth_copies, want.smooth_copies);
         EXPECT_EQ(got->leaves_out_transforms, want.leaves_out_transforms);
         EXPECT_EQ(got->transforms_any_plane, want.transforms_any_plane);
+        EXPECT_EQ(got->plane_trees, want.plane_trees);
         EXPECT_EQ(got->base, want.base);
         EXPECT_EQ(got->dependent, want.dependent);
         EXPECT_EQ(got->filter, want.filter);
@@ -215,6 +216,19 @@ TEST(CodingParameters, SmoothCopiesNeedPredictions) {
     const Result<CodingParameters> both = read_all(bytes);
     ASSERT_TRUE(both) << both.status().message();
     EXPECT_TRUE(both->smooth_copies);
+}
+
+TEST(CodingParameters, TreesOfPlanesNeedTwoPlanesAndPredictions) {
+    CodingParameters coding;
+    coding.plane_trees = coding.prediction = true;
+    for (int planes = 1; planes <= 4; ++planes) {
+        const auto got =
+            read_coding_parameters(write_coding_parameters(coding, planes, false), planes, false);
+        EXPECT_EQ(got.ok(), planes == 2) << planes;
+        EXPECT_TRUE(!got || got->plane_trees);
+    }
+    coding.prediction = false;
+    EXPECT_FALSE(read_coding_parameters(write_coding_parameters(coding, 2, false), 2, false));
 }
 
 TEST(CodingParameters, AcceptsTheLargestOffsetsAndAllFlags) {

@@ -87,7 +87,7 @@ TEST(Hostile, IdentifierAndVersion) {
 }
 
 TEST(Hostile, Features) {
-    for (const unsigned bit : {2u, 3u, 10u, 31u})
+    for (const unsigned bit : {2u, 3u, 11u, 31u})
         expect_refused(patched(16, u32{1} << bit), ContainerRule::features, feature_name(bit),
                        ErrorCode::unsupported);
     EXPECT_TRUE(open_status(patched(16, u32{2})));

@@ -31,7 +31,8 @@ std::vector<Bytes> seeds() {
     for (std::size_t i = 0; i < changed.parameters.size(); i += 7)
         changed.parameters[i] = static_cast<std::uint8_t>(i % 64);
     std::vector<Bytes> all;
-    for (const int kind : {0, 2, 7}) {
+    for (const int kind : {0, 1, 2, 7}) {
+        changed.plane_trees = planes_of(kind) == 2;
         all.push_back(write_coding_parameters(kind == 0 ? CodingParameters() : changed,
                                               planes_of(kind), has_corrections(kind)));
         all.back().insert(all.back().begin(), static_cast<std::byte>(kind));

@@ -47,6 +47,7 @@ CodingParameters parameters_of(unsigned setting, bool predictions) {
     parameters.prediction = predictions;
     parameters.leaves_out_transforms = predictions && setting % 3 != 0;
     parameters.transforms_any_plane = predictions && setting % 2 == 1;
+    parameters.plane_trees = predictions && setting % 4 == 1; // two planes
     parameters.smooth_copies = predictions && setting % 3 == 1;
     if (predictions && setting % 2 == 0)
         parameters.base = {

@@ -40,6 +40,7 @@ const std::vector<Setting>& settings() {
             parameters.prediction = i >= 8;
             parameters.leaves_out_transforms = i == 8 || i == 11;
             parameters.transforms_any_plane = i == 8 || i == 10;
+            parameters.plane_trees = i == 9; // two planes
             parameters.smooth_copies = i == 9;
             if (i >= 9)
                 parameters.base = {
@@ -125,7 +126,8 @@ void run(const std::uint8_t* data, std::size_t size) {
     int covered = 0;
     for (std::size_t i = levels.base_blocks; i < levels.blocks.size(); ++i)
         covered += levels.blocks[i].shape.texels();
-    require(covered == shape.texels(), "blocks do not tile the tile");
+    const int trees = levels.second_tree > 0 ? 2 : 1;
+    require(covered == trees * shape.texels(), "blocks do not tile the tile");
 }
 
 const Registered registered({.name = "fuzz_tile", .seeds = seeds, .run = run});

@@ -107,6 +107,16 @@ void regenerate_golden() {
         return 0.5 + (c == 0 ? 0.1 * (x > 60 && x % 7 == 3) : 0.15 * (y % 9 == 4) - 0.1 * v);
     });
     write("picture8_pair.tess", lines, {Kind::quality, 60}, {96, 64, 1, 1}, most_effort);
+    // Slanted edges in one channel and finer ones in the other, and a second tile whose channels have
+    // the same edges.
+    CodeTexture edges({{150, 70, 1, 1}, unorm8, 2}, [](double u, double v, double, double, int c) {
+        const double x = 150 * u, y = 70 * v;
+        const bool is_alike = x > 75;
+        const double slope = c == 0 || is_alike ? 2 * x + y : x - 3 * y;
+        return 0.5 +
+               (std::fmod(std::fabs(slope), c == 0 || is_alike ? 40.0 : 23.0) < 9 ? 0.2 : 0.0);
+    });
+    write("picture8_planes.tess", edges, {Kind::quality, 60}, {75, 70, 1, 1}, most_effort);
     CodeTexture bright({{40, 33, 1, 1}, half16, 4}, [](double u, double v, double, double, int c) {
         return c == 3 ? v : 40 * test::moving_picture(20 * u, 16 * v, c) - 12;
     });
@@ -134,7 +144,7 @@ TEST(GoldenFiles, DecodeToTheFrozenTexels) {
         EXPECT_EQ(specification.metadata.count("Title"), 1u) << name;
         ++count;
     }
-    EXPECT_EQ(count, 19);
+    EXPECT_EQ(count, 20);
 }
 
 } // namespace

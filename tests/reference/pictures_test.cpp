@@ -74,6 +74,21 @@ TEST(Pictures, OfScenes) {
     }
 }
 
+TEST(Pictures, WhoseChannelsHaveTreesOfTheirOwn) {
+    for (const SampleType type : {SampleType::unorm8, SampleType::half16}) {
+        CodeTexture unlike(
+            {{90, 50, 1, 1}, type, 2}, [](double u, double v, double, double, int c) {
+                const double x = 90 * u, y = 50 * v;
+                return 0.5 + (std::fmod(c == 0 ? 2 * x + y : 3 * y - x + 90, 25.0) < 9 ? 0.2 : 0.0);
+            });
+        const Bytes file = encode(unlike, {Kind::quality, 60}, {64, 64, 1, 1}, {}, usual_effort);
+        EXPECT_TRUE(parameters_of(file).plane_trees);
+        expect_decodes(file, "a tree for each channel");
+        const Bytes one = encode(unlike, {Kind::quality, 60}, {64, 64, 1, 1}, {}, copies_effort);
+        EXPECT_FALSE(parameters_of(one).plane_trees);
+    }
+}
+
 // A picture that moves by 0.75 texels per view, so that copies of a base picture need its eighths.
 TEST(Pictures, BasePicturesOfCameraGrids) {
     for (const auto& [effort, type, channels] : {std::tuple{3, SampleType::unorm8, 1},
@@ -149,6 +164,11 @@ public:
     }
     HandMadeTile& second_coefficient(int texels, int magnitude) {
         first_coefficient(texels, 1, magnitude);
+        return *this;
+    }
+    // The only plane of a block, with one coefficient.
+    HandMadeTile& only_coefficient(int texels, int magnitude) {
+        first_coefficient(texels, 0, magnitude);
         return *this;
     }
     // A block without coefficients.
@@ -483,6 +503,40 @@ TEST(ForgedPictures, TransformOfAnyPlane) {
     EXPECT_FALSE(tile.split(0).empty_block(64).is_accepted("flag 11 without flag 1"));
 }
 
+// With flag 12 each plane may have a tree of its own, behind a raw bit, and all planes have the tables
+// of plane 0.
+TEST(ForgedPictures, TreesOfPlanes) {
+    CodingParameters parameters;
+    parameters.prediction = parameters.plane_trees = true;
+    for (StepCode& step : parameters.step)
+        step.bits = 9 << 11;
+    const TextureDesc two{{8, 8, 1, 1}, SampleType::unorm8, 2};
+    std::set<Bytes> outcomes;
+    for (int symbol = 0; symbol < usual_transform_kinds; ++symbol) {
+        HandMadeTile tile(parameters, two);
+        tile.raw(1, 1).split(0).mode(0, 1).split(3).split(0, 1).mode(0, 0).split(0, 1).mode(0, 2);
+        tile.one_coefficient(64).transform(3, 0).only_coefficient(64, 2);
+        tile.one_coefficient(32).only_coefficient(32, 1);
+        tile.one_coefficient(32).transform(3, symbol).only_coefficient(32, 3);
+        const Outcome outcome = tile.outcome("a tree for each plane");
+        EXPECT_TRUE(outcome.accepted);
+        outcomes.insert(outcome.texels);
+    }
+    EXPECT_EQ(outcomes.size(), std::size_t{usual_transform_kinds});
+    HandMadeTile shared(parameters, two);
+    shared.raw(0, 1).split(0).mode(0, 0).one_coefficient(64).only_coefficient(64, 2);
+    EXPECT_TRUE(shared.one_coefficient(64).only_coefficient(64, 1).is_accepted("one tree"));
+    HandMadeTile one(parameters, two);
+    one.raw(1, 1).split(0).mode(0, 0).one_coefficient(64).only_coefficient(64, 2);
+    EXPECT_FALSE(one.is_accepted("no second tree"));
+    const TextureDesc three{{8, 8, 1, 1}, SampleType::unorm8, 3};
+    HandMadeTile colours(parameters, three);
+    EXPECT_FALSE(colours.split(0).mode(0, 0).empty_block(64).is_accepted("three channels"));
+    parameters.prediction = false;
+    HandMadeTile tile(parameters, two);
+    EXPECT_FALSE(tile.split(0).empty_block(64).is_accepted("flag 12 without flag 1"));
+}
+
 // Random bytes in place of a tile. Both decoders must end without a crash and agree.
 TEST(ForgedPictures, RandomBytes) {
     Random random(11);
@@ -502,6 +556,7 @@ TEST(ForgedPictures, RandomBytes) {
                                    random.chance(0.5) ? SampleType::unorm8 : SampleType::half16,
                                    static_cast<std::uint8_t>(random.range(1, 4))};
             const Bytes payload = random.bytes(static_cast<std::size_t>(random.range(1, 600)));
+            parameters.plane_trees = desc.channels == 2;
             expect_agreement(HandMadeTile::file_with(parameters, desc, payload), "random bytes");
         }
 }

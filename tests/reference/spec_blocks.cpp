@@ -60,6 +60,19 @@ void TileDecoder::read_base_tree(Stream& stream) {
     }
 }
 
+// 3.4, "Trees of planes"
+void TileDecoder::read_tile_trees(Stream& stream) {
+    const bool is_picture = size_[2] * size_[3] == 1;
+    const bool has_two = code_.has_plane_trees && is_picture && stream.raw(1) == 1;
+    for (int tree = 0; tree < (has_two ? 2 : 1); ++tree) {
+        if (has_two)
+            plane_of_tree_ = tree;
+        begin_picture(size_);
+        read_split_tree(stream, {0, 0, 0, 0}, size_, 0, 0);
+    }
+    plane_of_tree_.reset();
+}
+
 void TileDecoder::begin_picture(const Vector4& size) {
     picture_size_ = size;
     mode_at_.assign(static_cast<size_t>(product(size)), 0);
@@ -101,6 +114,7 @@ void TileDecoder::read_split_tree(Stream& stream, const Vector4& begin, const Ve
         block.begin = begin;
         block.size = size;
         block.of_base = of_base;
+        block.only_plane = plane_of_tree_;
         if (code_.has_predictions && is_in_picture(block))
             read_mode(stream, block);
         else if (code_.has_predictions)
@@ -237,9 +251,12 @@ void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t
         int first_token = 0;
         bool has_length = false; // of a plane before
         for (int plane = 0; plane < header_.channels; ++plane) {
+            if (block.only_plane.value_or(plane) != plane)
+                continue;
+            const bool is_first = plane == 0 || block.only_plane;
             // 1. The length token.
             int k = 0;
-            if (plane == 0) {
+            if (is_first || code_.has_plane_trees) {
                 const int b = std::bit_width(static_cast<uint32_t>(texels));
                 k = stream.symbol(
                     code_.first_length[std::min(b / 2, 8) + (block.copies() ? 9 : 0)]);
@@ -262,7 +279,7 @@ void TileDecoder::read_segment(Stream& stream, size_t begin, size_t end, int64_t
                 read_colour(stream, block, colours);
 
             // 3. The transform.
-            if (length > 0 && (code_.transforms_any_plane ? !has_length : plane == 0))
+            if (length > 0 && (code_.transforms_any_plane ? !has_length : is_first))
                 read_transform(stream, block);
             has_length = has_length || length > 0;
 
@@ -305,6 +322,7 @@ void TileDecoder::read_plane(Stream& stream, Block& block, int plane, int length
     std::vector<int>& amplitude = amplitude_[static_cast<size_t>(plane)];
     amplitude.assign(static_cast<size_t>(product(block.size)), -1);
     std::vector<int32_t>& levels = block.levels[static_cast<size_t>(plane)];
+    const bool as_first = plane == 0 || code_.has_plane_trees;
     int state = 0;
     for (size_t i = 0; i < static_cast<size_t>(length); ++i) {
         const Coefficient& coefficient = scan[i];
@@ -329,16 +347,16 @@ void TileDecoder::read_plane(Stream& stream, Block& block, int plane, int length
                                                  8)
                                       : amplitude_code(S * (4096 / w) / 512);
         int cross = 0;
-        for (size_t p = 0; p < static_cast<size_t>(plane); ++p)
+        for (size_t p = 0; p < static_cast<size_t>(plane) && !as_first; ++p)
             cross = amplitude_code(amplitude_value(cross) +
                                    amplitude_value(std::max(amplitude_[p][coefficient.where], 0)));
         const int K = std::min((cross + 1) / 2, 5);
-        const int row = plane == 0 ? 0 : 1 + K;
+        const int row = as_first ? 0 : 1 + K;
 
         int64_t magnitude = 0, level = 0;
         if (stream.bit(code_.zero[B][Q][row][coefficient.position][neighbours])) {
             int m = i == 0 ? 16 + neighbours : neighbours;
-            if (plane > 0)
+            if (!as_first)
                 m = i == 0 ? 57 + neighbours : 25 + 4 * (neighbours / 2) + std::max(K - 2, 0);
             const int q = stream.symbol(code_.magnitude[B][Q][m]);
             magnitude = read_magnitude(stream, q);

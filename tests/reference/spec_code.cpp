@@ -60,11 +60,12 @@ Code read_code(Bytes section, const Header& header) {
     };
     Code code;
     const int flags = next_u16();
-    require(flags <= 4095, "CODE: flags");
+    require(flags <= 8191, "CODE: flags");
     code.has_colour_symbols = flags & 1;
     code.has_predictions = flags >> 1 & 1;
     code.leaves_out_transforms = flags & 1024;
     code.transforms_any_plane = flags & 2048;
+    code.has_plane_trees = flags & 4096;
     code.dependent = flags & 4;
     code.smooth_copies = flags & 8;
     code.v_against_u = flags & 64;
@@ -73,6 +74,8 @@ Code read_code(Bytes section, const Header& header) {
     require(code.has_predictions || !code.leaves_out_transforms, "CODE: flag 10 without flag 1");
     require(code.has_predictions || !code.transforms_any_plane, "CODE: flag 11 without flag 1");
     require((flags & 32) || !code.v_against_u, "CODE: flag 6 without flag 5");
+    require((code.has_predictions && header.channels == 2) || !code.has_plane_trees,
+            "CODE: flag 12 without flag 1 or two channels");
 
     for (int plane = 0; plane < header.channels; ++plane)
         code.step[static_cast<size_t>(plane)] = next_step();

@@ -29,6 +29,7 @@ struct Code {
     bool dependent = false;
     bool leaves_out_transforms = false; // flag 10
     bool transforms_any_plane = false;  // flag 11
+    bool has_plane_trees = false;       // flag 12
     bool smooth_copies = false;
     std::optional<int> base_margin; // set if the file has base pictures
     bool v_against_u = false;

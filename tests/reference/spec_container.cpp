@@ -35,7 +35,7 @@ Header read_header(Bytes file) {
     h.required_features = u32(file, 16);
     for (int bit = 0; bit < 32; ++bit)
         if (h.required_features >> bit & 1 && bit != 0 && bit != 1 && bit != 4 && bit != 5 &&
-            bit != 6 && bit != 7 && bit != 8 && bit != 9) // 1.6
+            bit != 6 && bit != 7 && bit != 8 && bit != 9 && bit != 10) // 1.6
             throw Refusal{"unknown required feature " + std::to_string(bit)};
     require(!(h.has_corrections() && h.has_predictions()), "header: bits 1 and 4 together");
     require(h.has_layers() == (u16(file, 14) == 6), "header: version and feature 7");

@@ -35,6 +35,7 @@ struct Header {
     bool has_stored_tiles() const { return required_features >> 5 & 1; }
     bool leaves_out_transforms() const { return required_features >> 8 & 1; }
     bool transforms_any_plane() const { return required_features >> 9 & 1; }
+    bool has_plane_trees() const { return required_features >> 10 & 1; }
     bool has_layers() const { return required_features >> 7 & 1; }
 };
 

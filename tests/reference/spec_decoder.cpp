@@ -108,6 +108,7 @@ Decoded decode_file(Bytes file) {
             "CODE: flag 10 and feature 8");
     require(code.transforms_any_plane == header.transforms_any_plane(),
             "CODE: flag 11 and feature 9");
+    require(code.has_plane_trees == header.has_plane_trees(), "CODE: flag 12 and feature 10");
     const std::vector<Bytes> tiles = read_tiles(file, header, sections, levels);
 
     std::copy(header.size.begin(), header.size.end(), result.size);

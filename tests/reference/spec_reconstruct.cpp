@@ -264,6 +264,8 @@ void TileDecoder::reconstruct(const Block& block) {
         else if (block.copies())
             prediction = predicted(block, at);
         for (size_t p = 0; p < planes; ++p) {
+            if (block.only_plane && size_t(*block.only_plane) != p)
+                continue;
             if (block.mode > 0)
                 prediction[p] = from_border[p][place(at, block.size)];
             int64_t x = values[p][place(at, block.size)] + prediction[p];

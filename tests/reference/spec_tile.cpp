@@ -135,8 +135,7 @@ std::vector<uint16_t> TileDecoder::decode(Bytes bytes, const Vector4& size) {
         Stream stream(payload.segments[i].bytes);
         if (i == 0) {
             read_base_tree(stream);
-            begin_picture(size);
-            read_split_tree(stream, {0, 0, 0, 0}, size, 0, 0);
+            read_tile_trees(stream);
         }
         const size_t begin = payload.segments[i].first_block;
         const size_t end =

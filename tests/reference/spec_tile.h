@@ -33,6 +33,7 @@ struct Block {
     Vector4 begin; // in the tile, or in its base picture
     Vector4 size;
     bool of_base = false;
+    std::optional<int> only_plane; // set if each plane has a split tree of its own
     bool copies_base = false;
     int mode = 0;                              // of a picture's block
     std::array<AxisTransform, 4> transforms{}; // of each axis
@@ -60,6 +61,7 @@ private:
     void read_split_tree(Stream& stream, const Vector4& begin, const Vector4& size, int a, int b,
                          bool of_base = false);
     void read_base_tree(Stream& stream);
+    void read_tile_trees(Stream& stream);
     void begin_picture(const Vector4& size);
     void read_mode(Stream& stream, Block& block);
     int read_difference(Stream& stream, const Table& table);
@@ -95,6 +97,7 @@ private:
 
     Vector4 size_{};
     std::vector<Block> blocks_;
+    std::optional<int> plane_of_tree_; // of the tree that is read
     int64_t nodes_ = 0;
     bool last_block_copied_ = false; // counts only blocks with a prediction symbol
     bool has_base_ = false, last_copied_base_ = false;

@@ -108,6 +108,7 @@ inline DecodeCase random_case(std::uint32_t seed, SampleType type, std::uint8_t 
     parameters.prediction = copies > 0;
     parameters.leaves_out_transforms = copies > 0 && seed % 3 == 1;
     parameters.transforms_any_plane = copies > 0 && seed % 5 >= 3;
+    parameters.plane_trees = copies > 0 && channels == 2;
     parameters.smooth_copies = copies > 0 && seed % 4 >= 2;
     if (copies > 0 && seed % 8 < 4)
         parameters.base = {.on = true,

@@ -57,6 +57,11 @@ inline int captured(int u, int v, int s, int t, int c) {
                               : 2 * smooth_noise(2 * u + s, 2 * v + t, 2) + 100 * c;
 }
 
+// Channels that have nothing in common.
+inline int unlike(int u, int v, int s, int t, int c) {
+    return c == 0 ? composed(u, v, s, t, c) : mirror(u, v, s, t, c);
+}
+
 // Noise whose channels are strongly correlated.
 inline int noise(int u, int v, int s, int t, int c) {
     return smooth_noise(4 * (u + 31 * s), 4 * (v + 37 * t), 9) * (c + 1) +
@@ -123,6 +128,7 @@ inline std::vector<Encoding> encodings() {
         {"3_captured_large", captured, {{60, 48, 5, 5}, byte, 3}, {Kind::quality, 45}},
         {"3_picture", composed, {{70, 40, 1, 1}, byte, 3}, {Kind::quality, 66}},
         {"3_picture_half", mirror, {{33, 21, 1, 1}, half, 4}, {Kind::psnr, 50}, bright},
+        {"3_picture_pair", unlike, {{70, 60, 1, 1}, byte, 2}, {Kind::quality, 60}},
         {"3_noise", noise, {{12, 8, 4, 4}, byte, 3}, {Kind::quality, 85}},
         {"3_composed_rate", composed, {{12, 11, 4, 4}, byte, 3}, {Kind::bpt, 4.5}},
         {"3_half_baked", composed, {{9, 12, 5, 4}, half, 3}, {Kind::psnr, 50}, baked},

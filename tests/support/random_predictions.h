@@ -3,6 +3,7 @@
 
 #include "codec/tile/tile_levels.h"
 #include "codec/tile_encoder/base_picture.h"
+#include "codec/tile_encoder/plane_trees.h"
 #include "format/tile/prediction.h"
 #include "tests/support/random.h"
 #include "tests/support/random_tile.h"
@@ -106,12 +107,35 @@ private:
     Displacement last_;
 };
 
+// A tile of one view with a tree for each of its two planes.
+inline TileLevels random_plane_trees(Random& random, const TileCoding& coding,
+                                     const RandomTileOptions& options, const BlockShape& shape,
+                                     double chance) {
+    std::array<TileLevels, plane_tree_count> planes;
+    for (std::size_t plane = 0; plane < planes.size(); ++plane) {
+        planes[plane] =
+            RandomTile(random, coding.of_plane(static_cast<int>(plane)), options).make(shape);
+        RandomPredictions(random, chance, {},
+                          coding.parameters.leaves_out_transforms ? transform_kinds
+                                                                  : usual_transform_kinds)
+            .add_to(planes[plane]);
+    }
+    TileLevels tile;
+    join_planes(planes, tile);
+    return tile;
+}
+
 // A random tile whose blocks are predicted with probability `chance`. If the file has base pictures, four of
-// five tiles have one.
+// five tiles have one; if planes may have trees of their own, they do in seven of ten pictures.
 inline TileLevels random_predicted_tile(Random& random, const TileCoding& coding,
                                         const RandomTileOptions& options, const BlockShape& shape,
                                         double chance) {
     const BasePictures& pictures = coding.parameters.base;
+    if (coding.parameters.plane_trees && is_picture(shape) && random.chance(0.7)) {
+        TileLevels tile = random_plane_trees(random, coding, options, shape, chance);
+        if (tile.blocks.size() <= max_leaves)
+            return tile;
+    }
     RandomTile random_tile(random, coding, options);
     TileLevels tile = random_tile.make(shape), base;
     if (const auto picture = base_shape(shape, pictures); picture && random.chance(0.8))

@@ -235,6 +235,12 @@ private:
                 }
                 begin = end;
             }
+            for (int lane = 0; lane < 64 && border.joins; ++lane) {
+                shader_machine_rounds = 1;
+                tsr_join_planes(tile, lane);
+                rounds[static_cast<std::size_t>(lane)] += shader_machine_rounds;
+                spent_ += shader_machine_rounds;
+            }
             most_steps = std::max(most_steps, border.steps);
             most_rounds = std::max(most_rounds, *std::max_element(rounds.begin(), rounds.end()));
         }

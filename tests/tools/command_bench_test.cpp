@@ -97,34 +97,6 @@ TEST_F(BenchVerb, BenchReportsWhatItCannotMeasure) {
         EXPECT_NE(text.out.find(word), std::string::npos) << text.out;
 }
 
-TEST_F(BenchVerb, BenchesAllLayersOfAFile) {
-    if (std::getenv("TESSERA_NO_GPU") != nullptr)
-        GTEST_SKIP() << "TESSERA_NO_GPU is set";
-    spit(at("roof.obj"), "v -1 0 -1\nv 1 0 -1\nv 0 1 0\nv -1 0 1\nv 1 0 1\nf 1 3 2\nf 4 5 3\n");
-    succeed("bake roof.obj --layered --texels 2000 --lights 2 --spp 1 --effort 0 -q -o a.tess");
-    const Json report = json(bench_a + "--eye 0,1,4 --skip decode --json");
-    EXPECT_EQ(report["layers"], json("info a.tess --json")["layers"].size());
-    double first = 0;
-    std::size_t compared = 0;
-    for (const Json& row : report["rows"]) {
-        ASSERT_FALSE(row.contains("missing")) << row;
-        const double bytes = row["bytes"].get<double>();
-        if (row["via"] == "first") {
-            first = bytes;
-            EXPECT_EQ(row["psnr"], nullptr);
-            EXPECT_EQ(row["same_picture"], false);
-        } else {
-            EXPECT_GT(bytes, 2 * first);
-            const bool filtered = row["fetches"] == "4 filtered";
-            EXPECT_TRUE(row["same_picture"] == true || (filtered && row["psnr"] > 50.0)) << row;
-            ++compared;
-        }
-    }
-    EXPECT_GT(first, 0);
-    EXPECT_EQ(compared, 8u);
-    fail(5, bench_a + "--original a.tess", {"a.tess", "layers"});
-}
-
 #endif
 
 } // namespace

@@ -68,10 +68,9 @@ void declare(CLI::App& c, BenchCommand& a) {
                  "The uncompressed texture (raw or .tess) for the raw rows and for PSNR. Default: "
                  "the texels that the CPU decodes")
         ->option_text("FILE");
-    c.add_option("--skip", o.skip,
-                 "Rows to leave out, a list of first, raw, load, feedback, decode")
+    c.add_option("--skip", o.skip, "Rows to leave out, a list of raw, load, feedback, decode")
         ->delimiter(',')
-        ->check(one_of({"first", "raw", "load", "feedback", "decode"}))
+        ->check(one_of({"raw", "load", "feedback", "decode"}))
         ->option_text("LIST");
     c.add_flag("--json", a.json, "Print JSON");
     c.add_flag("--quiet,-q", a.quiet, "No progress");
@@ -89,8 +88,6 @@ void add_bench_command(CLI::App& app, Invocation& chosen) {
         "  feedback  a cache of the tiles that frames touch. A cold frame starts with an empty "
         "cache: it is drawn once to mark its tiles, the tiles are decoded, and it is drawn again. "
         "Steady frames follow the orbit, and each decodes the few tiles that it adds\n"
-        "  first     only for files with layers, of which the other rows draw all: the first layer "
-        "alone, as an ordinary texture without reflections\n"
         "With '16' the shader fetches texels one by one; with '4 filtered' the texture unit "
         "interpolates them.\n\n"
         "ms is the median time of a frame by the GPU's clock, including decoding; the next column "

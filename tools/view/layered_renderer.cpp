@@ -44,6 +44,7 @@ public:
           cache_(with_mips_ ? *with_mips_ : *drawn.texels, drawn.tile, cache_bytes) {}
 
     LayerRole role() const { return drawn_.role; }
+    const std::shared_ptr<const AtlasMips>& mips() const { return mips_; }
     const DrawnLayer& drawn() const { return drawn_; }
     TexelCache& cache() { return cache_; }
 
@@ -328,10 +329,17 @@ Result<std::unique_ptr<ViewRenderer>> make_layered_renderer(std::span<const Draw
                                                             const glm::dvec3& background,
                                                             const RenderOptions& options) {
     std::vector<std::unique_ptr<OpenLayer>> open;
-    SharedAtlasMips mips;
     for (const DrawnLayer& layer : layers) {
         const TileGrid tiles(layer.texels->desc().size, layer.tile);
-        open.push_back(std::make_unique<OpenLayer>(layer, mips.of(mesh, tiles),
+        std::shared_ptr<const AtlasMips> mips;
+        // Layers of the same size and tiles share their mips.
+        for (const auto& other : open)
+            if (other->drawn().tile == layer.tile &&
+                other->drawn().texels->desc().size == layer.texels->desc().size)
+                mips = other->mips();
+        if (!mips)
+            mips = std::make_shared<const AtlasMips>(mesh, tiles);
+        open.push_back(std::make_unique<OpenLayer>(layer, std::move(mips),
                                                    options.cache_bytes / layers.size()));
     }
     TESSERA_TRY_ASSIGN(MeshRays rays, MeshRays::make(std::move(mesh)));

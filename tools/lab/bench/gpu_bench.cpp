@@ -4,7 +4,6 @@
 #include "codec/metrics.h"
 #include "decoder_glsl/gl_context.h"
 #include "tools/http/open_bytes.h"
-#include "tools/lab/bench/bench_subject.h"
 #include "tools/lab/bench/gpu_stage_times.h"
 #include "tools/lab/bench/gpu_times.h"
 #include "tools/support/interrupt.h"
@@ -16,7 +15,6 @@
 #include "tools/view/view_report.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 
 namespace tessera {
@@ -40,11 +38,16 @@ constexpr Amount on_software{"640x360", 10, 2, 3, 1};
 // A fixed view usually settles in two frames: the first marks its tiles, the second shows them.
 constexpr int most_settling_frames = 8;
 
+// A texture and its renderer. The order of the members makes the renderer die first.
+struct Subject {
+    SampledTexture texture;
+    std::optional<GlViewRenderer> view;
+};
+
 class GpuBench {
 public:
-    // `file` has no mesh yet.
-    GpuBench(BenchFile file, const HeadlessContext& context, const GpuBenchOptions& options)
-        : file_(std::move(file)), reader_(file_.reader(0)), options_(options),
+    GpuBench(const Decoder& decoder, const HeadlessContext& context, const GpuBenchOptions& options)
+        : decoder_(decoder), reader_(decoder.container()), options_(options),
           amount_(context.is_software() ? on_software : on_hardware),
           clock_(context.is_software() ? TimerClock::processor : TimerClock::device) {
         report_.device = context.device();
@@ -55,16 +58,13 @@ public:
         report_.warm_up = options.warm_up.value_or(amount_.warm_up);
         report_.cold_frames = amount_.cold_frames;
         report_.orbit = options.view.orbit;
-        report_.tiles = file_.tiles();
+        report_.tiles = reader_.grid().tiles();
         report_.size = to_string(reader_.desc().size);
-        report_.layers = has_layers() ? file_.textures() : 0;
-        report_.decoded_bytes = file_.decoded_bytes();
+        report_.decoded_bytes = decoded_bytes(reader_);
     }
 
     Status run() {
         TESSERA_TRY(plan_cameras());
-        if (has_layers() && wants("first"))
-            TESSERA_TRY(run_first());
         if (wants("raw"))
             TESSERA_TRY(run_raw());
         if (wants("load"))
@@ -78,7 +78,6 @@ public:
     BenchReport& report() { return report_; }
 
 private:
-    bool has_layers() const { return file_.textures() > 1; }
     bool wants(const char* name) const {
         return std::find(options_.skip.begin(), options_.skip.end(), name) == options_.skip.end();
     }
@@ -93,10 +92,6 @@ private:
             request.size = amount_.size;
         TESSERA_TRY_ASSIGN(const auto plan, plan_views(request));
         TESSERA_TRY_ASSIGN(mesh_, mesh_surface(reader_));
-        if (mesh_)
-            file_.mesh = &mesh_->mesh;
-        else if (has_layers())
-            return {ErrorCode::unsupported, reader_.name() + ": its layers do not lie on a mesh"};
         SphereWindow window; // at the origin of a mesh's coordinates
         if (!mesh_) {
             TESSERA_TRY_ASSIGN(window,
@@ -110,6 +105,10 @@ private:
         report_.width = cameras_.front().width;
         report_.height = cameras_.front().height;
         return {};
+    }
+    Result<GlViewRenderer> view_of(const SampledTexture& texture) const {
+        return mesh_ ? GlViewRenderer::create(texture, mesh_->mesh)
+                     : GlViewRenderer::create(texture);
     }
     const ViewCamera& camera(unsigned frame) const { return cameras_[frame % cameras_.size()]; }
 
@@ -125,15 +124,25 @@ private:
                 row.missing = status.message();
             return {};
         };
-        Result<BenchSubject> subject = BenchSubject::create(file_, make);
-        if (!subject.ok())
-            return give_up(subject.status());
-        TESSERA_TRY(measure(*subject));
-        return subject->check_damage();
+        Result<SampledTexture> texture = make();
+        if (!texture.ok())
+            return give_up(texture.status());
+        if (texture->damaged_tiles() > 0)
+            return {ErrorCode::invalid_file,
+                    reader_.name() + ": has damaged tiles; tessera validate lists them"};
+        Subject subject{std::move(*texture), std::nullopt};
+        auto view = view_of(subject.texture);
+        if (!view.ok())
+            return give_up(view.status());
+        subject.view.emplace(std::move(*view));
+        TESSERA_TRY(measure(subject));
+        return subject.texture.damaged_tiles() == 0
+                   ? Status()
+                   : Status(ErrorCode::invalid_file, reader_.name() + ": has damaged tiles");
     }
     template <class Make> Status plain_row(BenchRow row, const Make& make) {
         std::vector<BenchRow> rows{std::move(row)};
-        TESSERA_TRY(with_subject(rows, make, [&](BenchSubject& subject) -> Status {
+        TESSERA_TRY(with_subject(rows, make, [&](Subject& subject) -> Status {
             TESSERA_TRY(measure_steady(subject, rows[0]));
             return measure_fixed_view(subject, rows[0]);
         }));
@@ -147,58 +156,30 @@ private:
         row.frame = frame;
         return row;
     }
-    using Textures = Result<std::vector<SampledTexture>>;
-    // The first textures of the file.
-    Textures create(std::size_t count, Residency residency, bool filter,
-                    std::uint64_t budget) const {
-        std::vector<SampledTextureRequest> requests;
-        for (std::size_t i = 0; i < count; ++i) {
-            requests.push_back({&file_.reader(i), {}});
-            requests.back().options.residency = residency;
-            requests.back().options.hardware_filter = filter;
-            requests.back().options.mesh = file_.mesh;
-        }
-        return SampledTexture::create(requests, budget);
+    SampledTextureOptions with(Residency residency, bool filter, std::uint64_t budget) const {
+        SampledTextureOptions options;
+        options.residency = residency;
+        options.hardware_filter = filter;
+        options.budget = budget;
+        return options;
     }
     // A budget that does not limit: the whole texture and the memory to decode it.
     std::uint64_t enough() const { return report_.decoded_bytes + (512ull << 20); }
 
-    // What a renderer of ordinary textures would draw: the first layer alone.
-    Status run_first() {
-        for (const bool filter : {false, true})
-            TESSERA_TRY(plain_row(row_of("first", filter, "steady"),
-                                  [&] { return create(1, Residency::on_load, filter, enough()); }));
-        return {};
-    }
-
     Status run_raw() {
-        std::vector<std::unique_ptr<TexelSource>> sources;
-        for (std::size_t i = 0; i < file_.textures(); ++i) {
-            TESSERA_TRY_ASSIGN(auto source, open_texels(i));
-            sources.push_back(std::move(source));
-        }
+        TESSERA_TRY_ASSIGN(auto source, open_texels());
         for (const bool filter : {false, true})
-            TESSERA_TRY(plain_row(row_of("raw", filter, "steady"), [&]() -> Textures {
-                std::vector<SampledTexture> textures;
-                for (std::size_t i = 0; i < sources.size(); ++i) {
-                    TESSERA_TRY_ASSIGN(auto texture,
-                                       SampledTexture::from_texels(file_.reader(i), *sources[i],
-                                                                   filter, file_.mesh));
-                    textures.push_back(std::move(texture));
-                }
-                return textures;
+            TESSERA_TRY(plain_row(row_of("raw", filter, "steady"), [&] {
+                return SampledTexture::from_texels(reader_, *source, filter);
             }));
         return {};
     }
 
     // Opens the uncompressed texture if there is one, else the texels that the CPU decodes.
-    Result<std::unique_ptr<TexelSource>> open_texels(std::size_t texture) {
+    Result<std::unique_ptr<TexelSource>> open_texels() {
         reference_name_ = "the texels decoded by the CPU";
         if (options_.original.empty())
-            return interruptible(decoded_source(file_.decoder(texture)));
-        if (has_layers())
-            return Status(ErrorCode::unsupported,
-                          reader_.name() + ": --original cannot be used with layers");
+            return interruptible(decoded_source(decoder_));
         TESSERA_TRY_ASSIGN(auto original, open_original(options_.original, reader_.desc()));
         if (original->desc() != reader_.desc())
             return Status(ErrorCode::bad_argument, options_.original +
@@ -211,7 +192,7 @@ private:
     Status run_load() {
         for (const bool filter : {false, true})
             TESSERA_TRY(plain_row(row_of("load", filter, "steady"), [&] {
-                return create(file_.textures(), Residency::on_load, filter, enough());
+                return SampledTexture::create(reader_, with(Residency::on_load, filter, enough()));
             }));
         return {};
     }
@@ -221,8 +202,8 @@ private:
             std::vector<BenchRow> rows{row_of("feedback", filter, "cold"),
                                        row_of("feedback", filter, "steady")};
             TESSERA_TRY(with_subject(
-                rows, [&] { return make_caches(filter); },
-                [&](BenchSubject& subject) -> Status {
+                rows, [&] { return make_cache(filter); },
+                [&](Subject& subject) -> Status {
                     TESSERA_TRY(measure_cold(subject, rows[0]));
                     TESSERA_TRY(measure_steady(subject, rows[1]));
                     TESSERA_TRY(measure_fixed_view(subject, rows[1]));
@@ -233,57 +214,58 @@ private:
         return {};
     }
 
-    // Creates caches within the requested budget, or finds a budget as bench_gpu() describes.
-    Textures make_caches(bool filter) {
-        const auto caches = [&] {
-            return create(file_.textures(), Residency::on_feedback, filter, report_.budget);
-        };
-        if (options_.budget_mib) {
+    // Creates a cache within the requested budget, or finds a budget as bench_gpu() describes.
+    Result<SampledTexture> make_cache(bool filter) {
+        if (options_.budget_mib)
             report_.budget = std::uint64_t{*options_.budget_mib} << 20;
-            return caches();
-        }
-        if (report_.budget == 0) { // once for both filters
-            TESSERA_TRY_ASSIGN(report_.budget, find_budget());
-        }
-        return caches();
-    }
-
-    // Draws the first view with the smallest budget that is possible, to learn what it touches.
-    Result<std::uint64_t> find_budget() {
-        for (std::uint64_t budget = report_.decoded_bytes / 5;; budget += budget / 2 + (1u << 16)) {
+        else if (report_.budget == 0)
+            report_.budget = report_.decoded_bytes / 5;
+        for (;;) {
+            auto texture = SampledTexture::create(
+                reader_, with(Residency::on_feedback, filter, report_.budget));
+            if (options_.budget_mib)
+                return texture;
+            const auto enough_slots = texture.ok() ? has_enough_slots(*texture) : texture.status();
+            if (enough_slots.ok() && *enough_slots)
+                return texture;
+            if (report_.budget > enough() ||
+                (!enough_slots.ok() && enough_slots.status().code() != ErrorCode::unsupported))
+                return enough_slots.ok() ? std::move(texture) : enough_slots.status();
             TESSERA_TRY(check_interrupt());
-            auto subject = BenchSubject::create(file_, [&] {
-                return create(file_.textures(), Residency::on_feedback, false, budget);
-            });
-            if (!subject.ok() && subject.status().code() == ErrorCode::unsupported &&
-                budget <= enough())
-                continue;
-            TESSERA_TRY(subject);
-            TESSERA_TRY(subject->draw(camera(0)));
-            TESSERA_TRY(subject->update(true));
-            return std::max(budget, subject->roomy_budget());
+            report_.budget += report_.budget / 2 + (1u << 16);
         }
     }
 
-    Status measure_steady(BenchSubject& subject, BenchRow& row) {
-        const bool cached = subject.slots() > 0;
+    // Returns whether the cache has a quarter more slots than the first view touches.
+    Result<bool> has_enough_slots(SampledTexture& texture) {
+        if (touched_ == 0) {
+            TESSERA_TRY_ASSIGN(auto view, view_of(texture));
+            TESSERA_TRY(view.draw(camera(0)));
+            TESSERA_TRY_ASSIGN(const auto update, texture.update(true));
+            touched_ = update.touched;
+        }
+        return texture.cache_slots() >= std::min(touched_ + touched_ / 4, report_.tiles);
+    }
+
+    Status measure_steady(Subject& subject, BenchRow& row) {
+        const bool cached = subject.texture.cache_slots() > 0;
         TESSERA_TRY_ASSIGN(auto log, IntervalLog::create(cached ? 6 : 3, clock_));
         const unsigned all = report_.warm_up + report_.frames;
         std::vector<double> wall;
-        std::vector<BenchSubject::Update> seen;
+        std::vector<std::uint32_t> decoded;
         double touched = 0, waiting = 0;
         for (unsigned frame = 0; frame < all; ++frame) {
             TESSERA_TRY(check_interrupt());
             show(row, frame, all);
             const auto start = Clock::now();
             log.begin();
-            TESSERA_TRY(subject.draw(camera(frame)));
+            TESSERA_TRY(subject.view->draw(camera(frame)));
             log.end();
             if (cached) {
                 log.begin();
-                TESSERA_TRY_ASSIGN(const auto update, subject.update(false));
+                TESSERA_TRY_ASSIGN(const auto update, subject.texture.update(false));
                 log.end();
-                seen.push_back(update);
+                decoded.push_back(update.decoded);
                 touched += frame < report_.warm_up ? 0 : update.touched;
                 waiting += frame < report_.warm_up ? 0 : update.waiting;
             }
@@ -291,15 +273,14 @@ private:
         }
         const std::vector<double>& times = log.finish();
         std::vector<double> draws, updates, frames;
-        double decoding = 0, tiles = 0, texels = 0;
+        double decoding = 0, tiles = 0;
         for (std::size_t frame = report_.warm_up; frame < all; ++frame) {
             draws.push_back(times[cached ? 2 * frame : frame]);
             updates.push_back(cached ? times[2 * frame + 1] : 0);
             frames.push_back(draws.back() + updates.back());
-            if (cached && seen[frame].decoded > 0) {
+            if (cached && decoded[frame] > 0) {
                 decoding += updates.back();
-                tiles += seen[frame].decoded;
-                texels += seen[frame].texels;
+                tiles += decoded[frame];
             }
         }
         wall.erase(wall.begin(), wall.begin() + report_.warm_up);
@@ -311,29 +292,29 @@ private:
         row.decoded = tiles / report_.frames;
         row.waiting = waiting / report_.frames;
         if (decoding > 0)
-            row.texels_per_second = texels / decoding * 1e3;
+            row.texels_per_second = tiles * texels_of_a_tile() / decoding * 1e3;
         return {};
     }
 
-    Status measure_cold(BenchSubject& subject, BenchRow& row) {
+    Status measure_cold(Subject& subject, BenchRow& row) {
         TESSERA_TRY_ASSIGN(auto log, IntervalLog::create(3, clock_));
         std::vector<double> wall;
-        BenchSubject::Update update;
+        UpdateReport update;
         const unsigned all = report_.cold_frames + 1; // the first frame warms up
         for (unsigned frame = 0; frame < all; ++frame) {
             TESSERA_TRY(check_interrupt());
             show(row, frame, all);
-            TESSERA_TRY(subject.drop_cache());
+            TESSERA_TRY(subject.texture.drop_cache());
             glFinish();
             const auto start = Clock::now();
             log.begin();
-            TESSERA_TRY(subject.draw(camera(0)));
+            TESSERA_TRY(subject.view->draw(camera(0)));
             log.end();
             log.begin();
-            TESSERA_TRY_ASSIGN(const auto updated, subject.update(true));
+            TESSERA_TRY_ASSIGN(const auto updated, subject.texture.update(true));
             log.end();
             log.begin();
-            TESSERA_TRY(subject.draw(camera(0)));
+            TESSERA_TRY(subject.view->draw(camera(0)));
             log.end();
             glFinish();
             wall.push_back(milliseconds_since(start));
@@ -357,16 +338,21 @@ private:
         row.decoded = update.decoded;
         row.waiting = update.waiting;
         if (row.decode.median > 0)
-            row.texels_per_second = update.texels / row.decode.median * 1e3;
+            row.texels_per_second = row.decoded * texels_of_a_tile() / row.decode.median * 1e3;
         return compare(subject, row);
     }
 
+    double texels_of_a_tile() const {
+        return static_cast<double>(texel_count(reader_.desc().size)) /
+               static_cast<double>(report_.tiles);
+    }
+
     // Draws the first view until all its tiles are in the cache, and compares it.
-    Status measure_fixed_view(BenchSubject& subject, BenchRow& row) {
+    Status measure_fixed_view(Subject& subject, BenchRow& row) {
         for (int frame = 0; frame < most_settling_frames; ++frame) {
             TESSERA_TRY(check_interrupt());
-            TESSERA_TRY(subject.draw(camera(0)));
-            TESSERA_TRY_ASSIGN(const auto update, subject.update(true));
+            TESSERA_TRY(subject.view->draw(camera(0)));
+            TESSERA_TRY_ASSIGN(const auto update, subject.texture.update(true));
             if (update.decoded == 0)
                 break;
         }
@@ -375,8 +361,8 @@ private:
 
     // Compares the frame just drawn with the reference. The first frame of raw texels becomes the
     // reference.
-    Status compare(BenchSubject& subject, BenchRow& row) {
-        TESSERA_TRY_ASSIGN(const auto pixels, subject.read());
+    Status compare(Subject& subject, BenchRow& row) {
+        TESSERA_TRY_ASSIGN(const auto pixels, subject.view->read());
         View view;
         view.width = report_.width;
         view.height = report_.height;
@@ -384,8 +370,8 @@ private:
         for (std::size_t i = 0; i < pixels.size(); i += 4)
             view.rgb.insert(view.rgb.end(), {pixels[i], pixels[i + 1], pixels[i + 2]});
         Picture picture = to_picture(view, reader_.desc().type);
-        row.bytes = subject.bytes();
-        row.slots = subject.slots();
+        row.bytes = subject.texture.bytes();
+        row.slots = subject.texture.cache_slots();
         if (!reference_ && row.via == "raw") {
             reference_ = std::move(picture);
             report_.reference = "raw, 16 fetches, of " + reference_name_;
@@ -397,29 +383,27 @@ private:
     }
 
     // Times the stages of decoding in a cold frame, and in the frames after it.
-    Status measure_stages(BenchSubject& subject) {
+    Status measure_stages(Subject& subject) {
         TESSERA_TRY_ASSIGN(auto log, StageLog::create(clock_));
-        subject.set_stage_hook(log.hook());
+        subject.texture.set_stage_hook(log.hook());
         BenchDecode cold, steady;
-        std::array<double, 2> texels{};
         cold.what = "cold frame";
         steady.what = "steady frames";
-        TESSERA_TRY(subject.drop_cache());
+        TESSERA_TRY(subject.texture.drop_cache());
         for (unsigned frame = 0; frame <= report_.frames; ++frame) {
             TESSERA_TRY(check_interrupt());
-            TESSERA_TRY(subject.draw(camera(frame)));
-            TESSERA_TRY_ASSIGN(const auto update, subject.update(true));
+            TESSERA_TRY(subject.view->draw(camera(frame)));
+            TESSERA_TRY_ASSIGN(const auto update, subject.texture.update(true));
             BenchDecode& times = frame == 0 ? cold : steady;
             times.tiles += update.decoded;
-            texels[frame == 0 ? 0 : 1] += update.texels;
             log.take(times);
         }
-        subject.set_stage_hook({});
-        cold.texels = static_cast<std::uint64_t>(texels[0]);
-        steady.texels = static_cast<std::uint64_t>(texels[1]);
+        subject.texture.set_stage_hook({});
         for (BenchDecode* times : {&cold, &steady}) {
             if (times->tiles == 0)
                 times->missing = "no tile had to be decoded";
+            times->texels =
+                static_cast<std::uint64_t>(static_cast<double>(times->tiles) * texels_of_a_tile());
             report_.decodes.push_back(*times);
         }
         return {};
@@ -428,27 +412,24 @@ private:
     Status run_decode() {
         if (options_.progress)
             options_.progress("decoding the whole file", 0, 1);
+        const auto whole = time_whole_decode(reader_, clock_, amount_.repeats);
         BenchDecode times;
-        for (std::size_t i = 0; i < file_.textures() && times.missing.empty(); ++i) {
-            const auto whole = time_whole_decode(file_.reader(i), clock_, amount_.repeats);
-            if (!whole.ok() && whole.status().code() != ErrorCode::unsupported)
-                return whole.status();
-            if (!whole.ok()) {
-                times.missing = whole.status().message();
-                report_.blocks = report_.coefficients = 0;
-                break;
-            }
-            times += whole->times;
-            report_.blocks += whole->blocks;
-            report_.coefficients += whole->coefficients;
+        if (whole.ok()) {
+            times = whole->times;
+            report_.blocks = whole->blocks;
+            report_.coefficients = whole->coefficients;
+        } else if (whole.status().code() == ErrorCode::unsupported) {
+            times.missing = whole.status().message();
+        } else {
+            return whole.status();
         }
         times.what = "whole file";
         report_.decodes.insert(report_.decodes.begin(), times);
         return {};
     }
 
-    BenchFile file_;
-    const ContainerReader& reader_; // of the first texture
+    const Decoder& decoder_;
+    const ContainerReader& reader_;
     const GpuBenchOptions& options_;
     const Amount amount_;
     const TimerClock clock_;
@@ -456,6 +437,7 @@ private:
     std::vector<ViewCamera> cameras_; // one turn of the orbit
     std::optional<Picture> reference_;
     std::string reference_name_;
+    std::uint64_t touched_ = 0; // tiles that the first view touches
     BenchReport report_;
 };
 
@@ -465,18 +447,13 @@ Result<BenchReport> bench_gpu(const std::string& file, const GpuBenchOptions& op
     TESSERA_TRY_ASSIGN(const auto bytes, open_tess_bytes(file, "bench"));
     TESSERA_TRY_ASSIGN(const auto decoder, Decoder::open(*bytes));
     TESSERA_TRY_ASSIGN(const auto context, HeadlessContext::create());
-    BenchFile textures;
-    textures.first = &decoder;
-    TESSERA_TRY_ASSIGN(textures.layers, open_layers(*bytes, decoder.container(), {}));
-    textures.lights = decoder.container().layers().lights;
-    GpuBench bench(std::move(textures), context, options);
+    GpuBench bench(decoder, context, options);
     TESSERA_TRY(bench.run());
     BenchReport report = std::move(bench.report());
     report.file = file;
     report.file_bytes = bytes->size();
-    if (report.layers == 0)
-        report.bits_per_texel = static_cast<double>(report.file_bytes) * 8 /
-                                static_cast<double>(texel_count(decoder.desc().size));
+    report.bits_per_texel = static_cast<double>(report.file_bytes) * 8 /
+                            static_cast<double>(texel_count(decoder.desc().size));
     return report;
 }
 

@@ -16,16 +16,15 @@ struct GpuBenchOptions {
     std::optional<unsigned> frames, warm_up; // absent: as many as suit the device
     std::optional<unsigned> budget_mib;      // for the tile cache; absent: see bench_gpu()
     std::string original;                    // path of the uncompressed texture, or empty
-    std::vector<std::string> skip;           // any of "first", "raw", "load", "feedback", "decode"
+    std::vector<std::string> skip;           // any of "raw", "load", "feedback", "decode"
     ProgressFunction progress;
 };
 
 // Draws `options.frames` frames of the orbit in each way. If the device, the file or the budget
 // does not allow a way, its row contains the reason.
 //
-// Files with layers are drawn with all of them; a further row draws the first layer alone, as an
-// ordinary texture. Without a budget the tile caches get a fifth of the size of the decoded texels,
-// or what makes them a quarter larger than what the first view touches.
+// Without a budget the tile cache gets a fifth of the size of the decoded texture. This grows in
+// steps of a half until the cache has a quarter more slots than the first view touches.
 //
 // Errors: bad_argument (an impossible camera, an original of a different size), unsupported (no
 // device, no sphere or mesh, a build without GPU), those of reading the files, runtime.

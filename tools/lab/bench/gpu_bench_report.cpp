@@ -20,17 +20,6 @@ Spread spread_of(std::vector<double> milliseconds) {
     return {at(0.5), at(0.95)};
 }
 
-BenchDecode& BenchDecode::operator+=(const BenchDecode& other) {
-    tiles += other.tiles;
-    texels += other.texels;
-    upload += other.upload;
-    entropy += other.entropy;
-    order += other.order;
-    transform += other.transform;
-    whole += other.whole;
-    return *this;
-}
-
 namespace {
 
 // Lines of cells. Each column is as wide as its widest cell.
@@ -202,9 +191,8 @@ std::string to_text(const BenchReport& r) {
     if (r.software)
         text += "This is a software device. Its timings say nothing about GPUs.\n";
     text += r.file + ": " + r.size + ", " + human_bytes(r.file_bytes) + ", " +
-            (r.layers > 0 ? std::to_string(r.layers) + " layers"
-                          : format_number(r.bits_per_texel, 4) + " bits per texel") +
-            ", " + std::to_string(r.tiles) + " tiles";
+            format_number(r.bits_per_texel, 4) + " bits per texel, " + std::to_string(r.tiles) +
+            " tiles";
     if (r.blocks > 0)
         text += ", " + std::to_string(r.blocks) + " blocks, " + std::to_string(r.coefficients) +
                 " coefficients";
@@ -230,8 +218,7 @@ Json to_json(const BenchReport& r) {
                  {"file", r.file},
                  {"size", r.size},
                  {"file_bytes", r.file_bytes},
-                 {"layers", r.layers > 0 ? Json(r.layers) : Json(nullptr)},
-                 {"bits_per_texel", r.layers > 0 ? Json(nullptr) : Json(r.bits_per_texel)},
+                 {"bits_per_texel", r.bits_per_texel},
                  {"tiles", r.tiles},
                  {"blocks", r.blocks > 0 ? Json(r.blocks) : Json(nullptr)},
                  {"coefficients", r.blocks > 0 ? Json(r.coefficients) : Json(nullptr)},

@@ -3,7 +3,6 @@
 
 #include "tools/support/json_text.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,7 +18,7 @@ Spread spread_of(std::vector<double> milliseconds); // zeros for an empty list
 
 // The cost of one way to draw.
 struct BenchRow {
-    std::string via;     // "first", "raw", "load", "feedback"
+    std::string via;     // "raw", "load", "feedback"
     std::string fetches; // "16", "4 filtered"
     std::string frame;   // "steady", or "cold" for a frame that starts with an empty cache
     std::string missing; // why there are no figures; empty if there are some
@@ -43,8 +42,6 @@ struct BenchDecode {
     double upload = 0, entropy = 0, order = 0, transform = 0; // milliseconds in total
     // The time of all stages without stopping between them if it was measured, else their sum.
     double whole = 0;
-
-    BenchDecode& operator+=(const BenchDecode& other); // the numbers alone
 };
 
 struct BenchReport {
@@ -52,8 +49,7 @@ struct BenchReport {
     bool software = false;
     std::string file, size;
     std::uint64_t file_bytes = 0, tiles = 0, decoded_bytes = 0, budget = 0;
-    std::size_t layers = 0;    // 0: one texture. Tiles and bytes are those of all layers
-    double bits_per_texel = 0; // of files without layers
+    double bits_per_texel = 0;
     std::uint64_t blocks = 0, coefficients = 0; // in the whole file; 0: not counted
     std::uint32_t width = 0, height = 0;
     unsigned frames = 0, warm_up = 0, cold_frames = 0, orbit = 0;
