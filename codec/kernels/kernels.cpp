@@ -13,17 +13,30 @@ bool avx2_available() {
 #endif
 }
 
+bool avx512_available() {
+#ifdef TESSERA_AVX2 // which also builds the kernels for AVX-512
+    return avx2_available() && __builtin_cpu_supports("avx512f") &&
+           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") &&
+           __builtin_cpu_supports("avx512dq");
+#else
+    return false;
+#endif
+}
+
 namespace {
 
 KernelPath choose_path() {
-#ifndef __wasm__ // WebAssembly has no environment
-    const char* wish = std::getenv("TESSERA_SIMD");
-    if (wish != nullptr && std::string_view(wish) == "scalar")
-        return KernelPath::scalar;
-    if (avx2_available() && (wish == nullptr || std::string_view(wish) != "vector"))
-        return KernelPath::avx2;
-#endif
+#ifdef __wasm__ // WebAssembly has no environment
     return KernelPath::vector;
+#else
+    const char* const variable = std::getenv("TESSERA_SIMD");
+    const std::string_view wish = variable != nullptr ? variable : "";
+    if (wish == "scalar")
+        return KernelPath::scalar;
+    if (wish == "vector" || !avx2_available())
+        return KernelPath::vector;
+    return wish == "avx2" || !avx512_available() ? KernelPath::avx2 : KernelPath::avx512;
+#endif
 }
 
 } // namespace
@@ -37,9 +50,9 @@ const Kernels& kernels() {
 #ifdef __wasm__
     return kernels_vector; // the only path that is linked into the module
 #else
-    static const Kernels& chosen = kernel_path() == KernelPath::avx2     ? kernels_avx2
+    static const Kernels& chosen = kernel_path() == KernelPath::scalar   ? kernels_scalar
                                    : kernel_path() == KernelPath::vector ? kernels_vector
-                                                                         : kernels_scalar;
+                                                                         : kernels_avx2;
     return chosen;
 #endif
 }

@@ -167,14 +167,16 @@ struct Kernels {
 };
 
 // scalar: portable loops. vector: the compiler's generic 128-bit vectors (NEON, WebAssembly, SSE2).
-enum class KernelPath { scalar, vector, avx2 };
-// The path in use: the best that this CPU supports, or the one that the environment variable
-// TESSERA_SIMD names ("scalar", "vector", "avx2"). Without it, the search may use AVX-512 besides.
+// Decoding has no kernels for AVX-512 and uses those for AVX2.
+enum class KernelPath { scalar, vector, avx2, avx512 };
+// The path in use: the best that this CPU and build support, or a lesser one that the environment
+// variable TESSERA_SIMD names.
 KernelPath kernel_path();
 const Kernels& kernels();
 
 extern const Kernels kernels_scalar, kernels_vector;
 extern const Kernels kernels_avx2; // may be used only if avx2_available()
 bool avx2_available();
+bool avx512_available();
 
 } // namespace tessera

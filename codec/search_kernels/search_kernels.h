@@ -170,12 +170,11 @@ struct SearchKernels {
                                float unit, int rows, int n, float* to);
 };
 
-// The kernels that belong to kernel_path().
+// The kernels that belong to kernel_path(). There are none for generic vectors.
 const SearchKernels& search_kernels();
 
 extern const SearchKernels search_kernels_scalar;
 extern const SearchKernels search_kernels_avx2;   // may be used only if avx2_available()
 extern const SearchKernels search_kernels_avx512; // may be used only if avx512_available()
-bool avx512_available();
 
 } // namespace tessera
