@@ -15,8 +15,11 @@ export function chartIds(size, mips, meshes) {
             const group = joined(indices[i]);
             if (!chartOf.has(group))
                 chartOf.set(group, charts++ % mostCharts + 1);
-            const corners = [0, 1, 2].map(k => uvOf(indices[i + k])).map(([u, v]) => [u * U, v * V]);
-            visitCovered(corners, size, (u, v) => { ids[v * cell.width + u] ||= chartOf.get(group); });
+            const number = chartOf.get(group), [a, b, c] = [0, 1, 2].map(k => {
+                const [u, v] = uvOf(indices[i + k]);
+                return [u * U, v * V];
+            });
+            visitCovered(a, b, c, size, (u, v) => { ids[v * cell.width + u] ||= number; });
         }
     }
     for (let mip = 1; mip <= mips; ++mip)
@@ -42,33 +45,27 @@ function joinedVertices(indices, vertices) {
     return find;
 }
 
-// Calls visit(u, v) for each texel whose square intersects the triangle, like visit_covered_texels() of the library.
-function visitCovered(corners, size, visit) {
-    const edges = corners.map(([x, y], k) => {
-        const [toX, toY] = corners[(k + 1) % 3];
-        return {x, y, dx: toX - x, dy: toY - y};
-    });
-    const [{dx, dy}, , last] = edges, area = last.dx * dy - last.dy * dx; // the third edge points back to the first corner
+// Calls visit(u, v) for each texel whose square intersects the triangle (a, b, c), like visit_covered_texels() of the
+// library.
+function visitCovered([ax, ay], [bx, by], [cx, cy], [U, V], visit) {
+    const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax), inside = area < 0 ? -1 : 1;
     if (area === 0)
         return;
-    // Whether a square is entirely outside an edge: then its corner that is furthest inside is.
-    const isBeyond = (u, v) => {
-        for (const {x, y, dx, dy} of edges) {
-            const inside = area < 0 ? -1 : 1, across = inside * dx > 0 ? 1 : 0, along = inside * dy < 0 ? 1 : 0;
-            if ((dx * (v + across - y) - dy * (u + along - x)) * inside < 0)
-                return true;
-        }
-        return false;
-    };
-    const range = axis => {
-        const values = corners.map(corner => corner[axis]), within = x => Math.min(Math.max(x, 0), size[axis]);
-        return [within(Math.floor(Math.min(...values))), within(Math.floor(Math.max(...values)) + 1)];
-    };
-    const [[u0, u1], [v0, v1]] = [range(0), range(1)];
-    for (let v = v0; v < v1; ++v)
+    const within = (x, most) => Math.min(Math.max(Math.floor(x), 0), most);
+    const u0 = within(Math.min(ax, bx, cx), U), u1 = within(Math.max(ax, bx, cx) + 1, U);
+    const v0 = within(Math.min(ay, by, cy), V), v1 = within(Math.max(ay, by, cy) + 1, V);
+    const xs = [ax, bx, cx], ys = [ay, by, cy], dx = [bx - ax, cx - bx, ax - cx], dy = [by - ay, cy - by, ay - cy];
+    // The corner of a square that is furthest inside an edge: if it is outside, the whole square is.
+    const along = dy.map(d => inside * d < 0 ? 1 : 0), across = dx.map(d => inside * d > 0 ? 1 : 0);
+    for (let v = v0; v < v1; ++v) {
+        const row0 = dx[0] * (v + across[0] - ys[0]), row1 = dx[1] * (v + across[1] - ys[1]);
+        const row2 = dx[2] * (v + across[2] - ys[2]);
         for (let u = u0; u < u1; ++u)
-            if (!isBeyond(u, v))
+            if ((row0 - dy[0] * (u + along[0] - xs[0])) * inside >= 0 &&
+                (row1 - dy[1] * (u + along[1] - xs[1])) * inside >= 0 &&
+                (row2 - dy[2] * (u + along[2] - xs[2])) * inside >= 0)
                 visit(u, v);
+    }
 }
 
 // The chart of most texels of the atlas in a texel of a mip, and the lowest of several; 0 if there is none.

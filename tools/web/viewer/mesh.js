@@ -38,7 +38,10 @@ class MeshData {
 
 function interleaved([us, vs], unit) {
     const out = new Float32Array(us.length * 2);
-    us.forEach((u, i) => out.set([u * unit, vs[i] * unit], 2 * i));
+    for (let i = 0; i < us.length; ++i) {
+        out[2 * i] = us[i] * unit;
+        out[2 * i + 1] = vs[i] * unit;
+    }
     return out;
 }
 
@@ -56,9 +59,10 @@ function uvOfCharts({positions, indices}, {count, size, density}, column) {
     const uv = new Float64Array(positions.length / 3 * 2), chartOfVertex = new Int32Array(positions.length / 3);
     indices.forEach((vertex, i) => {
         const number = chartOf[Math.floor(i / 3)], {axes, low} = charts[number];
+        const x = positions[3 * vertex], y = positions[3 * vertex + 1], z = positions[3 * vertex + 2];
         chartOfVertex[vertex] = number;
         for (let k = 0; k < 2; ++k) {
-            const along = dot(axes[k], positions.subarray(3 * vertex, 3 * vertex + 3));
+            const along = axes[k][0] * x + axes[k][1] * y + axes[k][2] * z;
             uv[2 * vertex + k] = along;
             low[k] = Math.min(low[k], along);
         }
@@ -69,38 +73,49 @@ function uvOfCharts({positions, indices}, {count, size, density}, column) {
     });
 }
 
+const lengthOf = (x, y, z) => Math.sqrt(x * x + y * y + z * z); // Math.hypot is much slower
+
 // The tangent of each vertex (FORMAT.md 5.2), like mesh_tangents() of the library.
-function tangentsOf({positions, normals, uv, indices}) {
-    const sums = new Float64Array(positions.length), out = new Float32Array(positions.length);
-    const place = vertex => positions.subarray(3 * vertex, 3 * vertex + 3);
+function tangentsOf({positions: p, normals, uv, indices}) {
+    const sums = new Float64Array(p.length), out = new Float32Array(p.length);
     for (let i = 0; i < indices.length; i += 3) {
-        const corners = indices.subarray(i, i + 3), [first, second, third] = corners;
-        const a = sub(Array.from(place(second)), place(first)), b = sub(Array.from(place(third)), place(first));
-        const [px, py, qx, qy] = [second, third].flatMap(
-            vertex => [0, 1].map(axis => uv[2 * vertex + axis] - uv[2 * first + axis]));
-        const turn = px * qy - py * qx, along = sub(scale(a, qy), scale(b, py));
-        const length = Math.hypot(...along);
+        const first = indices[i], second = indices[i + 1], third = indices[i + 2];
+        const ax = p[3 * second] - p[3 * first], bx = p[3 * third] - p[3 * first];
+        const ay = p[3 * second + 1] - p[3 * first + 1], by = p[3 * third + 1] - p[3 * first + 1];
+        const az = p[3 * second + 2] - p[3 * first + 2], bz = p[3 * third + 2] - p[3 * first + 2];
+        const pu = uv[2 * second] - uv[2 * first], pv = uv[2 * second + 1] - uv[2 * first + 1];
+        const qu = uv[2 * third] - uv[2 * first], qv = uv[2 * third + 1] - uv[2 * first + 1];
+        const turn = pu * qv - pv * qu, x = ax * qv - bx * pv, y = ay * qv - by * pv, z = az * qv - bz * pv;
+        const length = lengthOf(x, y, z), area = lengthOf(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx);
         if (turn === 0 || !(length > 0))
             continue;
-        const size = Math.hypot(...cross(a, b)) / length * Math.sign(turn);
-        for (const vertex of corners)
-            for (let axis = 0; axis < 3; ++axis)
-                sums[3 * vertex + axis] += along[axis] * size;
+        const size = area / length * Math.sign(turn);
+        for (let k = 0; k < 3; ++k) {
+            const at = 3 * indices[i + k];
+            sums[at] += x * size;
+            sums[at + 1] += y * size;
+            sums[at + 2] += z * size;
+        }
     }
-    for (let i = 0; i < positions.length; i += 3)
-        out.set(perpendicularPart(Array.from(sums.subarray(i, i + 3)), unit(Array.from(normals.subarray(i, i + 3)))), i);
+    for (let i = 0; i < p.length; i += 3)
+        putPerpendicular(out, i, sums[i], sums[i + 1], sums[i + 2], normals[i], normals[i + 1], normals[i + 2]);
     return out;
 }
 
-// The part of `v` that is perpendicular to the unit vector `normal`, scaled to unit length. If there is none, that part
-// of the coordinate axis that is closest to perpendicular to the normal.
-function perpendicularPart(v, normal) {
-    const part = x => sub(x, scale(normal, dot(x, normal)));
-    const flat = part(v), length = Math.hypot(...flat);
-    if (length > 1e-6 * Math.hypot(...v))
-        return scale(flat, 1 / length);
-    const [x, y, z] = normal.map(Math.abs);
-    return unit(part(x <= y && x <= z ? [1, 0, 0] : y <= z ? [0, 1, 0] : [0, 0, 1]));
+// Puts the part of (x, y, z) that is perpendicular to the normal (a, b, c), scaled to unit length. If there is none, it
+// is that part of the coordinate axis that is closest to perpendicular to the normal.
+function putPerpendicular(out, at, x, y, z, a, b, c) {
+    const square = a * a + b * b + c * c, along = (x * a + y * b + z * c) / square;
+    const u = x - along * a, v = y - along * b, w = z - along * c, length = lengthOf(u, v, w);
+    if (length > 1e-6 * lengthOf(x, y, z)) {
+        out[at] = u / length;
+        out[at + 1] = v / length;
+        out[at + 2] = w / length;
+        return;
+    }
+    const [sideways, up, ahead] = [a, b, c].map(Math.abs);
+    const axis = sideways <= up && sideways <= ahead ? [1, 0, 0] : up <= ahead ? [0, 1, 0] : [0, 0, 1];
+    putPerpendicular(out, at, ...axis, a, b, c);
 }
 
 // Unit vectors from octahedral coordinates, 0..4095 along both sides of the square.
@@ -111,7 +126,10 @@ function directions(across, up) {
         const z = 1 - Math.abs(x) - Math.abs(y);
         if (z < 0)
             [x, y] = [(1 - Math.abs(y)) * (x < 0 ? -1 : 1), (1 - Math.abs(x)) * (y < 0 ? -1 : 1)];
-        out.set(unit([x, y, z]), 3 * i);
+        const length = lengthOf(x, y, z);
+        out[3 * i] = x / length;
+        out[3 * i + 1] = y / length;
+        out[3 * i + 2] = z / length;
     }
     return out;
 }
