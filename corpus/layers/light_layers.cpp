@@ -75,10 +75,14 @@ Result<LayerTexture> bake_visibility_layer(const ModelPlaces& places, const Plac
         for (std::uint32_t u = 0; u < size[0]; ++u) {
             if (!light.matters(u, v))
                 continue;
-            const glm::dvec3 normal = places.place(u, v, {0.0, 0.0}).frame.ez;
+            const ModelSurfacePlace place = places.place(u, v, {0.0, 0.0});
+            const glm::dvec3 normal = place.frame.ez;
+            // Layers mirror at grazing views even where the specular colour is black.
+            const bool mirrors = place.point.lobes.grazing > 0.0;
             const std::size_t first = (std::size_t{v} * size[0] + u) * side * side;
             for (std::size_t j = 0; j < lights.size(); ++j) {
-                store_values(texture, first + j, {peaks[j] * light.visibility(u, v, j) / 255.0});
+                const double seen = mirrors ? light.visibility(u, v, j) / 255.0 : 0.0;
+                store_values(texture, first + j, {peaks[j] * seen});
                 if (glm::dot(normal, glm::dvec3(lights[j].direction)) < deep_below)
                     texture.mask[first + j] = std::byte{0};
             }

@@ -121,17 +121,20 @@ bool is_visible_around(const LayerTexture& opacity, std::uint32_t u, std::uint32
     return false;
 }
 
-bool emits(const Model& model) {
-    for (const ModelTriangle& t : model.triangles) {
+bool needs_emission(const Model& model) {
+    return std::ranges::any_of(model.triangles, [&](const ModelTriangle& t) {
         const ModelMaterial& m = model.materials[t.material];
-        if (std::max({m.emission.x, m.emission.y, m.emission.z}) > 0.0 ||
-            (m.coats && m.coats->through > 0.0))
-            return true;
-    }
-    return false;
+        return is_lamp(m) || m.is_unlit || (m.coats && m.coats->through > 0.0);
+    });
 }
 
 } // namespace
+
+bool mirrors_light(const Model& model) {
+    return std::ranges::any_of(model.triangles, [&](const ModelTriangle& t) {
+        return !model.materials[t.material].is_unlit;
+    });
+}
 
 Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
                                                        const PlaceLight& light,
@@ -189,10 +192,11 @@ Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
         layers.push_back(std::move(coverage));
     if (opacity)
         layers.push_back(std::move(*opacity));
-    if (emits(model))
+    if (needs_emission(model))
         layers.push_back(std::move(emission));
-    for (LayerTexture* layer : {&specular, &roughness, &normal})
-        layers.push_back(std::move(*layer));
+    if (mirrors_light(model))
+        for (LayerTexture* layer : {&specular, &roughness, &normal})
+            layers.push_back(std::move(*layer));
     return layers;
 }
 

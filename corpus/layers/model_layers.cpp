@@ -79,7 +79,8 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     // Without lights in the file, they still spread the rays evenly over the environment.
     const DistantLights lights(light,
                                options.lights > 0 ? options.lights : ModelLayersOptions().lights);
-    if (options.lights > 0)
+    const bool mirrors = mirrors_light(model);
+    if (options.lights > 0 && mirrors)
         out.lights = lights.lights(options.exposure);
     PlaceLightOptions gathering = options.light;
     gathering.exposure = options.exposure;
@@ -88,6 +89,8 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     out.noise = places.noise();
     TESSERA_TRY_ASSIGN(out.layers, bake_material_layers(fine, places, tracer, options.light_texel,
                                                         options.exposure, options.run));
+    if (!mirrors)
+        return out;
     if (!out.lights.empty()) {
         TESSERA_TRY_ASSIGN(
             LayerTexture visibility,

@@ -42,7 +42,7 @@ Mirror mirror_of(const Model& model, const ModelMaterial& m) {
 
 bool has_lamps(const Model& model) {
     return std::ranges::any_of(model.triangles, [&](const ModelTriangle& triangle) {
-        return model.materials[triangle.material].emission != glm::dvec3(0.0);
+        return is_lamp(model.materials[triangle.material]);
     });
 }
 

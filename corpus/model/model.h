@@ -95,6 +95,11 @@ struct ModelMaterial {
     std::optional<ModelCoats> coats;
 };
 
+// Whether surfaces of the material light others. Unlit ones emit, too, but are only seen.
+inline bool is_lamp(const ModelMaterial& m) {
+    return !m.is_unlit && m.emission != glm::dvec3(0.0);
+}
+
 struct ModelVertex {
     glm::vec3 position{0.0f}, normal{0.0f};
     glm::vec4 tangent{0.0f};       // w is the sign of the bitangent, 0 without a tangent

@@ -27,11 +27,6 @@ glm::dvec3 corner(const Model& model, std::uint32_t triangle, std::size_t k) {
     return glm::dvec3(model.vertices[model.triangles[triangle].vertices[k]].position);
 }
 
-// Unlit surfaces are seen in mirrors, but do not light the model as lamps.
-bool emits(const ModelMaterial& m) {
-    return !m.is_unlit && mean_channel(m.emission) > 0.0;
-}
-
 double mean_of_texture(const Model& model, const ModelMaterial& m) {
     const Image& image = model.images[static_cast<std::size_t>(m.emission_texture.image)];
     glm::dvec3 sum(0.0);
@@ -48,7 +43,7 @@ double mean_of_texture(const Model& model, const ModelMaterial& m) {
 std::vector<double> floors_of(const Model& model) {
     std::vector<double> floors;
     for (const ModelMaterial& m : model.materials)
-        floors.push_back(emits(m) && m.emission_texture.image >= 0
+        floors.push_back(is_lamp(m) && m.emission_texture.image >= 0
                              ? texture_share * mean_of_texture(model, m)
                              : 0.0);
     return floors;
@@ -73,14 +68,14 @@ double mean_light(const RayModel& rays, std::uint32_t triangle) {
 
 Emitters::Emitters(std::shared_ptr<const RayModel> model) : model_(std::move(model)) {
     const Model& m = model_->model();
-    if (std::ranges::none_of(m.materials, emits))
+    if (std::ranges::none_of(m.materials, is_lamp))
         return;
     const std::vector<double> floors = floors_of(m);
     per_area_.assign(m.triangles.size(), 0.0);
     double sum = 0;
     for (std::uint32_t i = 0; i < m.triangles.size(); ++i) {
         const std::uint32_t material = m.triangles[i].material;
-        if (!emits(m.materials[material]))
+        if (!is_lamp(m.materials[material]))
             continue;
         const double area = 0.5 * glm::length(area_vector(m, m.triangles[i]));
         const double light = mean_light(*model_, i) + floors[material];

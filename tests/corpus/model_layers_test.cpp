@@ -299,6 +299,48 @@ TEST(ModelLayers, CoatsBecomeTheNearestLobes) {
     EXPECT_NEAR(mean(LayerRole::emission, 0), 0.5, 0.03);
 }
 
+// Scans are often unlit (KHR_materials_unlit): nothing but their colour is seen.
+TEST(ModelLayers, UnlitSurfacesShowTheirColourAlone) {
+    Model model = ball_model(8);
+    ModelMaterial& m = model.materials[0];
+    m.base = {0.5, 0.25, 0.0, 1};
+    m.is_unlit = true;
+    m.unlit_light = 1.0;
+    ModelLayersOptions options = quick();
+    options.texels = 1000;
+    options.light.diffuse_samples = 8;
+    const auto expect_colour = [&](const ModelLayers& layers, const char* what) {
+        const LayerTexture& emission = layer(layers, LayerRole::emission);
+        double sum = 0, count = 0;
+        for (std::size_t i = 0; i < emission.mask.size(); ++i)
+            if (const int code = std::to_integer<int>(emission.texels[3 * i]); code != 0) {
+                sum += emission.scale * srgb_to_linear(code / 255.0);
+                ++count;
+            }
+        ASSERT_GT(count, 0) << what;
+        EXPECT_NEAR(sum / count, 0.5, 0.03) << what; // texels on borders are mixed
+    };
+    const ModelLayers alone = baked(model, white_light(), options);
+    expect_colour(alone, "alone");
+    EXPECT_EQ(alone.layers.size(), 2u); // diffuse light, which is black, and emission
+    EXPECT_TRUE(alone.lights.empty());
+    // Beside a surface that mirrors, no light is seen in an unlit one.
+    ModelMaterial mirror = model.materials[0];
+    mirror.is_unlit = false;
+    model.materials.push_back(mirror);
+    for (std::size_t i = 0; i < model.triangles.size() / 2; ++i)
+        model.triangles[i].material = 1;
+    const ModelLayers beside = baked(model, white_light(), options);
+    expect_colour(beside, "beside a mirror");
+    const auto lit = [&](const ModelLayers& layers) {
+        const LayerTexture& visibility = layer(layers, LayerRole::visibility);
+        return visibility.texels.size() - std::ranges::count(visibility.texels, std::byte{0});
+    };
+    const auto half = static_cast<double>(lit(beside));
+    const auto whole = static_cast<double>(lit(baked(ball_model(8), white_light(), options)));
+    EXPECT_NEAR(half, 0.5 * whole, 0.1 * whole);
+}
+
 // Only smooth surfaces get a layer of the environment: one lobe if all are equally smooth.
 TEST(ModelLayers, SmoothSurfacesMirrorTheEnvironment) {
     Model model = ball_model(8);

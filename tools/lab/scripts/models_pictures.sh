@@ -14,13 +14,18 @@ figure() { python3 -c 'import json, sys
 view = json.load(open(sys.argv[1]))["views"][0]["compressed_truth"]
 print("%.1f kB, %.1f dB" % (int(sys.argv[2]) / 1000, view["object_psnr"]))' "$@"; }
 
-# row NAME MODEL eye look fov "budgets" options...
+# A budget is BYTES, BYTES:TEXELS or default: row NAME MODEL eye look fov "budgets" options...
 row() {
     name=$1 model=$assets/$2 eye=$3 look=$4 fov=$5 budgets=$6
     shift 6
     for budget in $budgets; do
-        file=$out/$name-$budget
-        [ -e "$file.tess" ] || "$tool" bake "$model" -o "$file.tess" --layered --target-bytes "$budget" -q "$@"
+        file=$out/$name-${budget%:*}
+        case $budget in
+        default) set_size= ;;
+        *:*) set_size="--target-bytes ${budget%:*} --texels ${budget#*:}" ;;
+        *) set_size="--target-bytes $budget" ;;
+        esac
+        [ -e "$file.tess" ] || "$tool" bake "$model" -o "$file.tess" --layered -q $set_size "$@"
         [ -e "$file.json" ] || "$tool" render "$file.tess" -o "$file.png" --eye="$eye" --look="$look" \
             --fov "$fov" --pixels 192x144 --truth "$model" --truth-spp 256 --write-all --json -q > "$file.json"
         [ "$budget" != "${budgets%% *}" ] || printf '%s-truth.png\t%s, truth\n' "$file" "$name" >> "$out/pictures.txt"
@@ -30,7 +35,7 @@ row() {
 
 studio="--env $assets/studio.exr"
 row FlightHelmet models/FlightHelmet/FlightHelmet.gltf 0.09305,0.5785,0.3796 -0.02035,0.5092,0.03939 36 \
-    "120000 240000 340000 480000" $studio
+    "180000:500000 240000:700000 default 480000:1500000" $studio
 row AlphaBlendModeTest models/AlphaBlendModeTest.glb 0,1.2,4 0,1.2,0 36 "40000 80000 160000 320000" $studio
 row PalmTree models/PalmTree/PalmTree.gltf 317,160,396 0,60,0 30 "40000 80000 160000 320000" $studio
 row CornellBox models/CornellBox.glb -141,412,269 -278,274,-280 45 "15000 30000 60000 120000"
