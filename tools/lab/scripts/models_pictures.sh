@@ -37,14 +37,17 @@ studio="--env $assets/studio.exr"
 row FlightHelmet models/FlightHelmet/FlightHelmet.gltf 0.09305,0.5785,0.3796 -0.02035,0.5092,0.03939 36 \
     "180000:500000 240000:700000 default 480000:1500000" $studio
 row AlphaBlendModeTest models/AlphaBlendModeTest.glb 0,1.2,4 0,1.2,0 36 "40000 80000 160000 320000" $studio
-row PalmTree models/PalmTree/PalmTree.gltf 317,160,396 0,60,0 30 "40000 80000 160000 320000" $studio
+row PalmTree models/PalmTree/PalmTree.gltf 5,3.5,7 0,2,0 40 "40000 80000 160000 320000" $studio
 row CornellBox models/CornellBox.glb -141,412,269 -278,274,-280 45 "15000 30000 60000 120000"
 row teapot models/teapot.obj 2.60268,3.0064,4.77135 0.217,1.86128,0 36 "20000 40000 70000 150000" \
     --metal 1 --roughness 0.1 $studio
-row bunny bunny.glb 0.1,0.1,0.25 0,0.024,0 36 "12000 25000 50000 100000" $studio
+row bunny bunny.glb 0.895,0.561,1.79 0,0.131,0 36 "16000 25000 50000 100000" $studio
 
-set --
+set -- # pictures first, because --label takes all that follows
 while IFS="$(printf '\t')" read -r picture label; do
-    set -- "$@" "$picture" --label "$label"
+    set -- "$@" "$picture"
+done < "$out/pictures.txt"
+while IFS="$(printf '\t')" read -r picture label; do
+    set -- "$@" --label "$label"
 done < "$out/pictures.txt"
 "$tool" sheet --columns 5 -o "$out/models.png" "$@"
