@@ -4,6 +4,8 @@
 #include "tests/support/gpu_fixture.h"
 #endif
 
+#include <array>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -130,6 +132,35 @@ TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
          {"--texels", "--target-psnr"});
     fail(1, "bake composed --single -o a.tess", {"--single", "model"});
     fail(2, "bake nowhere.obj --layered -o a.tess", {"nowhere.obj"});
+}
+
+// Most of the file may be the mesh, which the quality does not change.
+TEST_F(LayeredModels, TargetBytesAreUsedBesideALargeMesh) {
+    std::string hills;
+    constexpr int side = 24;
+    for (int y = 0; y <= side; ++y)
+        for (int x = 0; x <= side; ++x)
+            hills += "v " + std::to_string(x) + " " + std::to_string(std::sin(x * 1.3 + y * y)) +
+                     " " + std::to_string(y) + "\n";
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            const int a = y * (side + 1) + x + 1, b = a + side + 1;
+            for (const auto& [p, q, r] : {std::array{a, b, a + 1}, std::array{a + 1, b, b + 1}})
+                hills += "f " + std::to_string(p) + " " + std::to_string(q) + " " +
+                         std::to_string(r) + "\n";
+        }
+    spit(at("hills.obj"), hills);
+    const std::string bake =
+        "bake hills.obj --layered --texels 8000 --lights 4 --spp 2 --effort 0 -q -o a.tess";
+    succeed(bake);
+    const Json usual = json("info a.tess --json");
+    const double all = usual["file_bytes"], mesh = usual["mesh"]["bytes"];
+    ASSERT_GT(mesh, 0.2 * all);
+    const double wanted = mesh + 0.6 * (all - mesh);
+    succeed(bake + " --target-bytes " + std::to_string(static_cast<int>(wanted)));
+    const double bytes = json("info a.tess --json")["file_bytes"];
+    EXPECT_LE(bytes, wanted);
+    EXPECT_GT(bytes, 0.97 * wanted);
 }
 
 } // namespace

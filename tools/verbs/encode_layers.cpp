@@ -91,7 +91,8 @@ Result<CodedLayers> encode_at(const corpus::ModelLayers& baked, const EncodeOpti
     return coded;
 }
 
-// A file of this quality, and the logarithm of its bytes, which grows almost linearly.
+// A file of this quality, and the logarithm of its bytes without the mesh, which grows almost
+// linearly.
 struct TriedSize {
     double quality = 0, log_bytes = 0;
 };
@@ -118,7 +119,10 @@ Result<CodedLayers> encode_in(const corpus::ModelLayers& baked, const EncodeOpti
                               std::uint64_t most_bytes, const std::string& option) {
     constexpr double close_enough = 0.995;
     const auto most = static_cast<double>(most_bytes);
-    const double wanted = std::log(most * (1.0 + close_enough) / 2.0);
+    const auto log_of = [&](double bytes) { // the mesh does not depend on the quality
+        return std::log(std::max(bytes - static_cast<double>(baked.mesh.size()), 1.0));
+    };
+    const double wanted = log_of(most * (1.0 + close_enough) / 2.0);
     std::optional<CodedLayers> best;
     std::optional<TriedSize> fits, exceeds;
     std::optional<double> quality = usual_layer_quality;
@@ -126,7 +130,7 @@ Result<CodedLayers> encode_in(const corpus::ModelLayers& baked, const EncodeOpti
         TESSERA_TRY_ASSIGN(CodedLayers tried, encode_at(baked, options, {*quality}));
         const auto bytes = static_cast<double>(tried.file.size());
         const bool is_small = bytes <= most;
-        (is_small ? fits : exceeds) = {*quality, std::log(bytes)};
+        (is_small ? fits : exceeds) = {*quality, log_of(bytes)};
         if (is_small)
             best = std::move(tried);
         if ((is_small && (bytes >= close_enough * most || *quality == most_quality)) ||
