@@ -24,10 +24,10 @@ int finest_cells(const BlockShape& tile, int spatial, int angular) {
 // leaves, or more than those and few new ones, as the fourth cut of 9x9 views does. If blocks copy
 // from other views, a large tile only goes without the smallest cells of that cut, which bring
 // nothing: without any blocks of single views, 64x64x8x8 would cost 9 % more.
-bool has_too_many_cells(const BlockShape& tile, int spatial, int angular, bool copies_views) {
+bool has_too_many_cells(const BlockShape& tile, int spatial, int angular, bool copies) {
     constexpr int usual_texels = 65536;
     const int cells = finest_cells(tile, spatial, angular);
-    const int coarser = copies_views && spatial > 0 && tile.texels() > usual_texels
+    const int coarser = copies && spatial > 0 && tile.texels() > usual_texels
                             ? finest_cells(tile, spatial - 1, angular)
                             : cells;
     return coarser > static_cast<int>(most_tried_cells) ||
@@ -53,9 +53,8 @@ float BlockSearch::choose_blocks(TileLevels& out) {
     // More cells than a tile may have leaves are searched, since hardly any tile needs that many
     // leaves; 64x32x5x5 without blocks of single views costs 5 % more. A tile that does is searched
     // again with fewer. Spatial cells alone are at most 1,024.
-    // Base pictures serve blocks of several views.
-    const bool copies_views = options_.copies.along != 0 && !coding_->parameters.base.on;
-    while (has_too_many_cells(shape, spatial, angular, copies_views))
+    const bool copies = copies_views(options_, coding_->parameters);
+    while (has_too_many_cells(shape, spatial, angular, copies))
         --angular;
     tile_.grids.cut(shape, spatial, angular);
     skips_hollow_ = options_.skip_hollow;

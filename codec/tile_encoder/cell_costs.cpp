@@ -86,9 +86,8 @@ float CellCosts::plane_cost(const Coefficients& block, const BlockShape& shape, 
 }
 
 float CellCosts::block_cost(const Coefficients& block, const BlockShape& shape, float energy) {
-    const bool copies_views = options_.copies.along != 0 && !coding_->parameters.base.on;
-    const bool is_view = shape.n[2] == 1 && shape.n[3] == 1;
-    return (copies_views && is_view ? views_cost_more : 1.0f) * modelled_cost(block, shape, energy);
+    const bool costs_more = is_picture(shape) && copies_views(options_, coding_->parameters);
+    return (costs_more ? views_cost_more : 1.0f) * modelled_cost(block, shape, energy);
 }
 
 float CellCosts::modelled_cost(const Coefficients& block, const BlockShape& shape, float energy) {

@@ -47,13 +47,11 @@ void CellGrids::cut(const BlockShape& tile, int spatial_depths, int angular_dept
             const auto& [nu, nv, ns, nt] = grid.cells;
             grid.texels.assign(
                 static_cast<std::size_t>(nu) * static_cast<std::size_t>(nv * ns * nt), 1.0f);
-            std::size_t cells = 0;
-            grid.for_each_cell([&](const Cell& c, std::size_t i) {
+            grid.for_each_cell([&grid](const Cell& c, std::size_t i) {
                 grid.texels[i] = static_cast<float>(grid.block(c).shape.texels());
-                ++cells;
             });
             grid.is_tried = tries(options_.grids, s, a, spatial_depths, angular_depths) &&
-                            !grid.is_too_large && cells <= most_tried_cells;
+                            !grid.is_too_large && grid.texels.size() <= most_tried_cells;
         }
 }
 

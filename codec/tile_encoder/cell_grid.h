@@ -6,6 +6,7 @@
 #include "codec/tile/tile_levels.h"
 #include "codec/tile_encoder/bit_costs.h"
 #include "codec/tile_encoder/displacement_search.h"
+#include "format/tile/coding_parameters.h"
 
 #include <array>
 #include <cstddef>
@@ -22,6 +23,11 @@ struct SearchOptions {
     bool rotated_colours = false; // costs consider rotations of the colour axes
     DisplacementRange copies;     // tried by CopySearch
 };
+
+// Whether blocks of single views copy from others. Base pictures serve blocks of several views.
+inline bool copies_views(const SearchOptions& options, const CodingParameters& parameters) {
+    return options.copies.along != 0 && !parameters.base.on;
+}
 
 // Grids of more cells are not tried. With twice as many, a dense 27x27 took twice its time.
 constexpr std::size_t most_tried_cells = 2 * max_leaves;

@@ -482,13 +482,21 @@ TEST(ForgedPictures, NoTransform) {
     EXPECT_FALSE(tile.split(0).empty_block(16).is_accepted("flag 10 without flag 1"));
 }
 
-// With flag 11 the symbol follows the first plane that has a length, and there is only one of them.
-TEST(ForgedPictures, TransformOfAnyPlane) {
+const TextureDesc two{{8, 8, 1, 1}, SampleType::unorm8, 2};
+
+// Parameters of a file of two channels with predictions.
+CodingParameters parameters_of_two() {
     CodingParameters parameters;
-    parameters.prediction = parameters.transforms_any_plane = true;
+    parameters.prediction = true;
     for (StepCode& step : parameters.step)
         step.bits = 9 << 11;
-    const TextureDesc two{{8, 8, 1, 1}, SampleType::unorm8, 2};
+    return parameters;
+}
+
+// With flag 11 the symbol follows the first plane that has a length, and there is only one of them.
+TEST(ForgedPictures, TransformOfAnyPlane) {
+    CodingParameters parameters = parameters_of_two();
+    parameters.transforms_any_plane = true;
     std::set<Bytes> outcomes;
     for (int symbol = 0; symbol < usual_transform_kinds; ++symbol) {
         HandMadeTile tile(parameters, two);
@@ -506,11 +514,8 @@ TEST(ForgedPictures, TransformOfAnyPlane) {
 // With flag 12 each plane may have a tree of its own, behind a raw bit, and all planes have the tables
 // of plane 0.
 TEST(ForgedPictures, TreesOfPlanes) {
-    CodingParameters parameters;
-    parameters.prediction = parameters.plane_trees = true;
-    for (StepCode& step : parameters.step)
-        step.bits = 9 << 11;
-    const TextureDesc two{{8, 8, 1, 1}, SampleType::unorm8, 2};
+    CodingParameters parameters = parameters_of_two();
+    parameters.plane_trees = true;
     std::set<Bytes> outcomes;
     for (int symbol = 0; symbol < usual_transform_kinds; ++symbol) {
         HandMadeTile tile(parameters, two);
