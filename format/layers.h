@@ -139,9 +139,6 @@ struct LightSum {
     glm::dvec3 with_environment(const glm::dvec3& environment, double roughness) const;
 };
 
-// The texel along u of a layer of the environment, of so many lobes, for a roughness.
-double environment_lobe(double roughness, std::uint32_t lobes);
-
 // How a place reflects light towards an observer. All vectors have unit length and point away from
 // the surface.
 struct Reflectance {
@@ -154,5 +151,8 @@ struct Reflectance {
     // The factor of the light in the layer `reflection`.
     glm::dvec3 of_reflection() const;
 };
+
+// The texel along u of a layer of the environment, of so many lobes, that the place mirrors.
+double environment_lobe(const Reflectance& reflectance, std::uint32_t lobes);
 
 } // namespace tessera

@@ -13,7 +13,7 @@ struct EnvironmentLayerOptions {
 };
 
 // The roughnesses of the lobes that suit the layers of a material: none if few of the surfaces that
-// reflect are smooth, one if these are equally smooth, else those of FORMAT.md 5.6.
+// reflect are smooth, else those of FORMAT.md 5.6 up to the roughest of these.
 std::vector<double> environment_lobes(std::span<const LayerTexture> material);
 
 // The environment as lobes of each of these roughnesses see it, which become the texels along u.

@@ -7,7 +7,7 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr double most_roughness = 0.2; // as for the layer of the environment
+constexpr double most_roughness = 0.2;
 constexpr double least_share = 0.1;
 constexpr double most_places = 10'000; // of the whole atlas
 

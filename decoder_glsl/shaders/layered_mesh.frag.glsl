@@ -180,12 +180,12 @@ TsrLightSum tsr_light_of_lights(TsrReflectance reflectance, vec2 covered) {
 
 #ifdef TESSERA_LAYER_ENVIRONMENT
 // The light of the environment from the mirrored direction. frame.z: the bumped normal
-vec3 tsr_environment(int layer, TsrMeshFrame frame, vec3 view, float roughness) {
+vec3 tsr_environment(int layer, TsrMeshFrame frame, TsrReflectance r) {
     tsr_select(layer);
     float lobes = float(tsr_four(tsr_p_size).x);
-    vec2 place = vec2((tsr_environment_lobe(roughness, lobes) + 0.5) / lobes, 0.5);
+    vec2 place = vec2((tsr_environment_lobe(r, lobes) + 0.5) / lobes, 0.5);
     vec3 root =
-        tsr_value(layer, tsr_sample_atlas(place, tsr_taps_towards(frame, view), vec2(0.0)));
+        tsr_value(layer, tsr_sample_atlas(place, tsr_taps_towards(frame, r.view), vec2(0.0)));
     return root * root / tsr_scales[layer].x;
 }
 #endif
@@ -262,8 +262,7 @@ void main() {
         if (TSR_IF(TESSERA_LAYER_ENVIRONMENT))
             highlights = tsr_with_environment(
                 sum,
-                reflected * tsr_environment(TESSERA_LAYER_ENVIRONMENT, mirror, view,
-                                            reflectance.roughness),
+                reflected * tsr_environment(TESSERA_LAYER_ENVIRONMENT, mirror, reflectance),
                 reflectance.roughness);
 #endif
         light += highlights;

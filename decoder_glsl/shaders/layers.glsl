@@ -10,8 +10,8 @@ const float tsr_least_cosine = 0.02f; // between a normal and the direction to t
 const float tsr_least_roughness = 0.03f;
 const float tsr_spread_share = 0.75f; // of a light's spread that widens the highlight
 const float tsr_first_lobe = 0.05f;   // roughness of the first lobe of the environment
-const float tsr_sharp_roughness = 0.15f; // up to it, the environment replaces lights
-const float tsr_rough_roughness = 0.3f;  // from it on, it does not
+const float tsr_sharp_roughness = 0.1f; // up to it, the environment replaces lights
+const float tsr_rough_roughness = 0.4f;  // from it on, it does not
 const float tsr_little_light = 1e-6f; // where no light is mirrored, the environment is not blocked
 
 // How a place reflects light towards an observer. All vectors have unit length and point away from
@@ -114,8 +114,9 @@ vec3 tsr_reflection_share(TsrReflectance r) {
            vec3(clamp(tsr_cubic(bias, q), 0.0f, 1.0f));
 }
 
-// The lobe of the layer of the environment for a roughness, as the number of a texel along u.
-float tsr_environment_lobe(float roughness, float lobes) {
+// The lobe of the layer of the environment that a place mirrors, as the number of a texel along u.
+float tsr_environment_lobe(TsrReflectance r, float lobes) {
+    float roughness = r.roughness * sqrt(clamp(dot(r.normal, r.view), 0.0f, 1.0f));
     return clamp(log2(max(roughness, tsr_first_lobe) / tsr_first_lobe), 0.0f, lobes - 1.0f);
 }
 

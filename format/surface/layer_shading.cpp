@@ -15,8 +15,8 @@ constexpr double least_roughness = 0.03;
 constexpr double first_lobe = 0.05;   // roughness of the first lobe of the environment
 constexpr double little_light = 1e-6; // where no light is mirrored, the environment is not blocked
 // Up to the first roughness, the environment replaces lights with a spread, and from the second on it
-// does not: there the lights know better what is blocked (FlightHelmet: 32.7 and 29.5 dB).
-constexpr double sharp_roughness = 0.15, rough_roughness = 0.3;
+// does not: there its round lobes are further from the truth than the highlights of lights are.
+constexpr double sharp_roughness = 0.1, rough_roughness = 0.4;
 // A microfacet turns half as far as the light that it reflects. A larger share is closer to the truth,
 // because lights are patches with sharp edges (FlightHelmet: 31.4 and 31.6 dB at 0.5, 31.6 at 0.75).
 constexpr double spread_share = 0.75;
@@ -98,7 +98,12 @@ glm::dvec3 LightSum::with_environment(const glm::dvec3& environment, double roug
     return points + share * patches + (1.0 - share) * share_seen() * environment;
 }
 
-double environment_lobe(double roughness, std::uint32_t lobes) {
+// A microfacet that turns across the plane of the view turns the mirrored light less, by the view's
+// cosine: aslant, highlights are narrow. A round lobe that is as narrow is closer to that than one as
+// wide as the highlight is long.
+double environment_lobe(const Reflectance& reflectance, std::uint32_t lobes) {
+    const double cosine = std::clamp(glm::dot(reflectance.normal, reflectance.view), 0.0, 1.0);
+    const double roughness = reflectance.roughness * std::sqrt(cosine);
     return std::clamp(std::log2(std::max(roughness, first_lobe) / first_lobe), 0.0,
                       static_cast<double>(lobes) - 1.0);
 }

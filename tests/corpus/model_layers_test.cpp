@@ -341,7 +341,7 @@ TEST(ModelLayers, UnlitSurfacesShowTheirColourAlone) {
     EXPECT_NEAR(half, 0.5 * whole, 0.1 * whole);
 }
 
-// Only smooth surfaces get a layer of the environment: one lobe if all are equally smooth.
+// Only smooth surfaces get a layer of the environment, with lobes up to their roughness.
 TEST(ModelLayers, SmoothSurfacesMirrorTheEnvironment) {
     Model model = ball_model(8);
     model.materials[0].metal = 1;
@@ -354,7 +354,9 @@ TEST(ModelLayers, SmoothSurfacesMirrorTheEnvironment) {
         const LayerTexture& last = layers.layers.back();
         return last.role == LayerRole::environment ? last.desc.size[axis_u] : 0u;
     };
-    EXPECT_EQ(lobes(0.1), 1u);
+    EXPECT_EQ(lobes(0.04), 1u);
+    EXPECT_EQ(lobes(0.1), 2u);
+    EXPECT_EQ(lobes(0.3), 4u);
     EXPECT_EQ(lobes(0.5), 0u);
     LayerTexture specular = make_layer(LayerRole::specular, {4, 1, 1, 1}, 3),
                  roughness = make_layer(LayerRole::roughness, {4, 1, 1, 1}, 1);
@@ -362,9 +364,17 @@ TEST(ModelLayers, SmoothSurfacesMirrorTheEnvironment) {
         store_values(specular, i, {1.0, 0.5, 0.5});
         store_values(roughness, i, {0.1 + 0.05 * static_cast<double>(i)});
     }
-    const std::vector<LayerTexture> material{specular, roughness};
+    std::vector<LayerTexture> material{specular, roughness};
     EXPECT_EQ(environment_lobes(material), (std::vector<double>{0.05, 0.1, 0.2}));
     EXPECT_TRUE(environment_lobes(std::span(material).first(1)).empty());
+    // Sharp lobes that nobody sees are as others.
+    for (std::size_t i = 0; i < 3; ++i)
+        store_values(material[1], i, {0.3});
+    EXPECT_EQ(environment_lobes(material), (std::vector<double>{0.1, 0.1, 0.2, 0.4}));
+    // Other surfaces than metals reflect too little.
+    for (std::size_t i = 0; i < 3; ++i)
+        store_values(material[0], i, {0.2, 0.2, 0.2});
+    EXPECT_TRUE(environment_lobes(material).empty());
 }
 
 TEST(ModelLayers, SharpReflectionsGetMorePlacesAndDirections) {

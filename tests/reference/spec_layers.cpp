@@ -72,7 +72,7 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
         m = std::max({m, l.irradiance[0], l.irradiance[1], l.irradiance[2]});
     for (std::size_t i = 0; i < 3; ++i)
         light[i] += values.D[i] + share(c, q, values.G[i]) * values.R[i];
-    const double w = std::clamp((values.r - 0.15) / 0.15, 0.0, 1.0);
+    const double w = std::clamp((values.r - 0.1) / 0.3, 0.0, 1.0);
     Vector seen{}, whole{}; // of the lights that the environment stands for
     for (std::size_t j = 0; j < values.lights.size(); ++j) {
         const Light& l = values.lights[j];

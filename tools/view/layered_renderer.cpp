@@ -194,7 +194,7 @@ Result<std::optional<glm::dvec3>> LayeredRenderer::environment_light(Readers& re
     if (lobes_ == 0)
         return std::optional<glm::dvec3>();
     frame.ez = reflectance.normal;
-    const double lobe = environment_lobe(reflectance.roughness, lobes_);
+    const double lobe = environment_lobe(reflectance, lobes_);
     TESSERA_TRY_ASSIGN(
         const auto light,
         value(readers, LayerRole::environment, {(lobe + 0.5) / lobes_, 0.5},

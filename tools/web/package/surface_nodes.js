@@ -171,7 +171,10 @@ export function reflectionShare({dot, float, vec3}, r) {
     return r.specular.mul(both(shareScale)).add(vec3(both(shareBias))).toVar();
 }
 
-export const environmentLobe = (roughness, lobes) => roughness.max(0.05).div(0.05).log2().clamp(0, lobes - 1);
+export function environmentLobe({dot}, r, lobes) {
+    const roughness = r.roughness.mul(dot(r.normal, r.view).clamp(0, 1).sqrt());
+    return roughness.max(0.05).div(0.05).log2().clamp(0, lobes - 1);
+}
 
 // sum: {points, patches, unblocked}, variables of specular light.
 export function addLight({select}, sum, spread, specular, seen) {
@@ -182,7 +185,7 @@ export function addLight({select}, sum, spread, specular, seen) {
 }
 
 export function withEnvironment(TSL, sum, environment, roughness) {
-    const share = roughness.sub(0.15).div(0.15).clamp(0, 1).toVar();
+    const share = roughness.sub(0.1).div(0.3).clamp(0, 1).toVar();
     const seen = sum.patches.add(littleLight).div(sum.unblocked.add(littleLight));
     return sum.points.add(sum.patches.mul(share)).add(seen.mul(environment).mul(share.oneMinus()));
 }

@@ -286,7 +286,7 @@ function layeredLines(by, lights, {at, turned, light}) {
                        '    }', '}');
         if (by.environment) {
             const lobes = number(by.environment.size[0]), scale = number(by.environment.scale);
-            lines.push(`vec2 lobe = vec2((tsr_environment_lobe(r.roughness, ${lobes}) + 0.5) / ${lobes}, 0.5);`,
+            lines.push(`vec2 lobe = vec2((tsr_environment_lobe(r, ${lobes}) + 0.5) / ${lobes}, 0.5);`,
                        `vec3 root = ${light('environment', turned('environment', 'lobe'))};`,
                        `sum += tsr_with_environment(direct, share * root * root / ${scale}, r.roughness);`);
         } else {

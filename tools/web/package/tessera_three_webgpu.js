@@ -75,7 +75,7 @@ function layeredColour(TSL, by, lights, {d, place, z, tangent, view}) {
         const direct = lightOfLights(TSL, r, lights, by.visibility ? four => view('visibility', four) : null);
         if (by.environment) {
             const {size: [lobes], scale} = by.environment;
-            const lobe = vec2(nodes.environmentLobe(roughness, lobes).add(0.5).div(lobes), 0.5);
+            const lobe = vec2(nodes.environmentLobe(TSL, r, lobes).add(0.5).div(lobes), 0.5);
             const root = light(by.environment, turned('environment', lobe)).toVar();
             sum.addAssign(nodes.withEnvironment(TSL, direct, share.mul(root).mul(root).div(scale), roughness));
         } else {

@@ -88,10 +88,10 @@ vec3 differenceAt(sampler2D layer, int role, vec2 uv, vec2 footprint, TsrMeshFra
     return change;
 }
 
-vec3 environmentLight(TsrMeshFrame frame, vec3 direction, float roughness) {
+vec3 environmentLight(TsrMeshFrame frame, vec3 direction, TsrReflectance r) {
     float lobes = float(atlases[layers[environment].x].x);
     placesOf = -1; // those of an atlas of the same size are not lobes
-    findPlaces(layers[environment].x, vec2((tsr_environment_lobe(roughness, lobes) + 0.5) / lobes, 0.5), vec2(0.0));
+    findPlaces(layers[environment].x, vec2((tsr_environment_lobe(r, lobes) + 0.5) / lobes, 0.5), vec2(0.0));
     vec3 root = lightOf(mirroredSample(environmentLayer, environment, frame, direction).rgb, environment);
     placesOf = -1;
     return root * root / layerScales[environment];
@@ -179,7 +179,7 @@ vec3 withLayers(vec3 diffuse, vec2 uv, vec2 footprint, TsrMeshFrame frame, vec3 
         TsrLightSum sum = lightOfLights(r);
         vec3 specularLight = sum.points + sum.patches;
         for (int once = lightCount > 0 ? missing(environment) : 1; once < 1; ++once)
-            specularLight = tsr_with_environment(sum, share * environmentLight(frame, direction, r.roughness),
+            specularLight = tsr_with_environment(sum, share * environmentLight(frame, direction, r),
                                                  r.roughness);
         light += specularLight;
     }
