@@ -19,6 +19,7 @@ constexpr double tolerance = 4.0;
 constexpr double least_radius = 1.0 / 2048; // of the extent
 constexpr double short_side = 0.6;          // of the radius; shorter triangles have one share
 constexpr int share_steps = 3;              // between places along each side of longer ones
+constexpr double few_saved = 0.995;         // of the texels of equal shares; then all are 1
 constexpr double even_texels = 0.25;        // the part of all texels that does not follow the view
 
 struct Edge {
@@ -157,9 +158,16 @@ std::vector<double> viewed_shares(const Model& model, const ViewedScale& scale) 
             sum += share;
         means.push_back(sum / static_cast<double>(shares.size()));
     }
-    const double least = least_share_of(means, doubled_areas(model));
-    for (double& share : means)
-        share = std::max(share, least);
+    const std::vector<double> areas = doubled_areas(model);
+    const double least = least_share_of(means, areas);
+    double texels = 0, most = 0;
+    for (std::size_t i = 0; i < means.size(); ++i) {
+        means[i] = std::max(means[i], least);
+        texels += areas[i] * means[i] * means[i];
+        most += areas[i];
+    }
+    if (texels > few_saved * most)
+        std::ranges::fill(means, 1.0);
     return means;
 }
 

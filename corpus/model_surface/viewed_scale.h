@@ -31,7 +31,8 @@ private:
 };
 
 // For each triangle, the mean of its shares. Far ones are raised until all triangles have a part of
-// the texels that does not depend on the distance, because observers look at the whole, too.
+// the texels that does not depend on the distance, because observers look at the whole, too. All are
+// 1 if that would save next to no texels.
 std::vector<double> viewed_shares(const Model& model, const ViewedScale& scale);
 
 } // namespace tessera::corpus
