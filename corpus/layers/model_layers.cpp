@@ -5,6 +5,7 @@
 #include "corpus/layers/light_layers.h"
 #include "corpus/layers/material_layers.h"
 #include "corpus/layers/sharp_reflections.h"
+#include "corpus/model_surface/cut_triangles.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -30,12 +31,17 @@ double normals_agree(const ModelAtlas& atlas) {
 }
 
 // Rounded positions move edges, which all views show, and few triangles take few bytes. A bit halves
-// the error of all edges, and its bytes grow with the triangles.
-unsigned position_bits(const Model& model, const ModelLayersOptions& options) {
+// the error of all edges, and its bytes grow with the triangles. The error shows more where observers
+// come nearer than the size of the model suggests.
+unsigned position_bits(const Model& model, const ViewedScale& viewed,
+                       const ModelLayersOptions& options) {
     constexpr double many = 95'000, most = 16; // the first: FlightHelmet, in 11 bits
+    constexpr double usual_nearest = 0.125;    // of the extent
     const double fewer = many / static_cast<double>(model.triangles.size());
+    const double nearer = usual_nearest * viewed.extent() / viewed.nearest();
     const double bits = options.position_bits + std::floor(0.5 * std::log2(std::max(fewer, 1.0)));
-    return std::max(static_cast<unsigned>(std::min(bits, most)),
+    const double near_bits = std::floor(std::log2(std::max(nearer, 1.0)));
+    return std::max(static_cast<unsigned>(std::min(bits, most) + near_bits),
                     reflects_sharply(model) ? options.sharp_position_bits : 0u);
 }
 
@@ -54,9 +60,13 @@ Result<ModelAtlas> make_layer_atlas(const Model& model, ModelAtlasOptions layout
 
 } // namespace
 
-Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& light,
+Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& light,
                                       const ModelLayersOptions& options) {
+    const ViewedScale viewed(whole);
+    const std::optional<Model> cut = with_cut_triangles(whole, viewed);
+    const Model& model = cut ? *cut : whole;
     ModelAtlasOptions layout;
+    layout.viewed = &viewed;
     const double step = options.light_texel;
     layout.density = options.density / step;
     layout.texels = options.texels / (step * step);
@@ -66,7 +76,7 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     // charts, and without mips.
     layout.side_step = std::max(LayerTexture().tile[axis_u] / options.light_texel, 1u);
     const bool sharp = reflects_sharply(model);
-    layout.position_bits = position_bits(model, options);
+    layout.position_bits = position_bits(model, viewed, options);
     TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_layer_atlas(model, layout, options.normal_bits));
     ModelLayers out;
     out.mesh = atlas.stream;

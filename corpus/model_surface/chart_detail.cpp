@@ -42,6 +42,7 @@ double material_texels(const Model& model, const ModelTriangle& triangle) {
 struct ChartDetail {
     double area = 0;    // in the world
     double density = 0; // of the pictures, in texels per world unit
+    double share = 1.0; // FlatChart::share
 };
 
 ChartDetail detail_of(const FlatChart& chart, const Model& model) {
@@ -50,12 +51,13 @@ ChartDetail detail_of(const FlatChart& chart, const Model& model) {
         area += 0.5 * glm::length(area_vector(model, model.triangles[i]));
         texels += material_texels(model, model.triangles[i]);
     }
-    return {area, area > 0.0 ? std::sqrt(texels / area) : 0.0};
+    return {area, area > 0.0 ? std::sqrt(texels / area) : 0.0, chart.share};
 }
 
 // The density of a chart where charts have at most `most`.
 double density_of(const ChartDetail& chart, double most, double finer) {
-    return std::clamp(oversampling / finer * chart.density, least_share * most, most);
+    const double viewed = chart.share * most;
+    return std::clamp(oversampling / finer * chart.density, least_share * viewed, viewed);
 }
 
 } // namespace
@@ -63,13 +65,13 @@ double density_of(const ChartDetail& chart, double most, double finer) {
 double shrink_to_detail(std::vector<FlatChart>& charts, const Model& model, double texels,
                         double finer) {
     std::vector<ChartDetail> details;
-    double area = 0;
+    double viewed = 0; // the area, as large as its density lets it be
     for (const FlatChart& chart : charts) {
         details.push_back(detail_of(chart, model));
-        area += details.back().area;
+        viewed += details.back().area * std::pow(chart.share, 2);
     }
     // At the lower bound no chart has shrunk, at the upper one all have as much as they may.
-    double density = std::sqrt(texels / area), most = density / least_share;
+    double density = std::sqrt(texels / viewed), most = density / least_share;
     for (int step = 0; step < 40; ++step) {
         const double middle = 0.5 * (density + most);
         double sum = 0;

@@ -14,6 +14,7 @@ namespace {
 
 // Triangles that the projection shrinks more are left to another chart.
 constexpr double least_area_kept = 0.2;
+constexpr int most_octaves = 8; // of the shares of charts
 
 using Axes = std::array<glm::dvec3, 2>;
 
@@ -124,6 +125,31 @@ glm::dvec3 mean_normal(const Facets& f, const std::vector<std::uint32_t>& piece)
     return glm::length(sum) > 1e-3 * area ? glm::normalize(sum) : f.normals[piece[0]];
 }
 
+// Parts neighbours whose shares fall into different octaves.
+void part_by_share(Facets& f, std::span<const double> shares) {
+    std::vector<int> octaves;
+    for (const double share : shares) {
+        int octave = 0;
+        for (double least = std::sqrt(0.5); share < least && octave < most_octaves; least *= 0.5)
+            ++octave;
+        octaves.push_back(octave);
+    }
+    for (std::size_t i = 0; i < f.neighbours.size(); ++i)
+        for (std::int64_t& other : f.neighbours[i])
+            if (other >= 0 && octaves[static_cast<std::size_t>(other)] != octaves[i])
+                other = -1;
+}
+
+double mean_share(const Facets& f, std::span<const double> shares,
+                  const std::vector<std::uint32_t>& triangles) {
+    double sum = 0, area = 0;
+    for (const std::uint32_t i : triangles) {
+        sum += f.areas[i] * shares[i];
+        area += f.areas[i];
+    }
+    return area > 0.0 ? sum / area : 1.0;
+}
+
 } // namespace
 
 void measure_sides(FlatChart& chart, const Model& model) {
@@ -134,10 +160,16 @@ void measure_sides(FlatChart& chart, const Model& model) {
     chart.sides = (bounds.high - bounds.low) * ((chart.shape.scale + 1) / 256.0);
 }
 
-std::vector<FlatChart> cut_flat(const Model& model) {
-    const Facets facets = facets_of(model);
+std::vector<FlatChart> cut_flat(const Model& model, std::span<const double> shares) {
+    Facets facets = facets_of(model);
+    std::vector<double> texels = facets.areas; // relative
+    if (!shares.empty()) {
+        part_by_share(facets, shares);
+        for (std::size_t i = 0; i < texels.size(); ++i)
+            texels[i] *= shares[i] * shares[i];
+    }
     std::vector<FlatChart> charts;
-    for (std::vector<std::uint32_t>& piece : cut_by_normal(facets))
+    for (std::vector<std::uint32_t>& piece : cut_by_normal(facets, texels))
         while (!piece.empty()) {
             FlatChart chart;
             std::vector<std::uint32_t> left =
@@ -148,6 +180,8 @@ std::vector<FlatChart> cut_flat(const Model& model) {
                 left.assign(piece.begin() + 1, piece.end());
             }
             measure_sides(chart, model);
+            if (!shares.empty())
+                chart.share = mean_share(facets, shares, chart.triangles);
             charts.push_back(std::move(chart));
             piece = std::move(left);
         }

@@ -6,6 +6,7 @@
 #include "format/surface_mesh.h"
 
 #include <glm/vec2.hpp>
+#include <span>
 
 namespace tessera::corpus {
 
@@ -15,11 +16,13 @@ struct FlatChart {
     std::vector<std::uint32_t> triangles; // indices into Model::triangles
     glm::dvec2 sides{0.0};                // with the scale of `shape`
     MeshChart shape;                      // without its begin
+    double share = 1.0; // of the density of the finest charts, as its places are viewed
 };
 
 // The whole model as connected pieces whose normals differ little, projected along their mean
-// normals and turned into small rectangles.
-std::vector<FlatChart> cut_flat(const Model& model);
+// normals and turned into small rectangles. `shares` are those of viewed_shares(), or empty: the
+// triangles of a chart need about the same density.
+std::vector<FlatChart> cut_flat(const Model& model, std::span<const double> shares = {});
 
 // Sets FlatChart::sides to those of other positions of the triangles.
 void measure_sides(FlatChart& chart, const Model& model);

@@ -223,11 +223,15 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
     const SurfaceMesh decoded = in_frame(std::move(in_file), model.frame);
     TESSERA_TRY_ASSIGN(atlas.model, in_order_of(model, decoded, options.position_bits));
     // Rounding turns small triangles over, so charts of the exact positions are larger.
-    std::vector<FlatChart> flat = cut_flat(atlas.model);
+    const bool follows_detail = options.finer > 0.0 && options.density == 0.0;
+    std::vector<double> shares;
+    if (follows_detail && options.viewed)
+        shares = viewed_shares(atlas.model, *options.viewed);
+    std::vector<FlatChart> flat = cut_flat(atlas.model, shares);
     move_to(atlas.model, decoded);
     for (FlatChart& chart : flat)
         measure_sides(chart, atlas.model);
-    if (options.finer > 0.0 && options.density == 0.0)
+    if (follows_detail)
         atlas.density = shrink_to_detail(flat, atlas.model, options.texels, options.finer);
     TESSERA_TRY_ASSIGN(Atlas packed, pack_charts(flat, atlas.density, options.tile));
     atlas.charts = std::move(packed.charts);

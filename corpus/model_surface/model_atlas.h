@@ -2,6 +2,7 @@
 #pragma once
 
 #include "corpus/model_surface/flat_chart.h"
+#include "corpus/model_surface/viewed_scale.h"
 #include "corpus/surface/atlas.h"
 #include "format/surface_mesh.h"
 
@@ -13,6 +14,8 @@ struct ModelAtlasOptions {
     // Above 0: charts follow the detail of their pictures for layers so many times finer than the
     // atlas, unless `density` is given; see shrink_to_detail().
     double finer = 0;
+    // If not null, charts that are viewed from farther away have fewer texels, if `finer` is above 0.
+    const ViewedScale* viewed = nullptr;
     Texels2 tile{32, 32};
     std::uint32_t side_step = 1; // the sides of the atlas are multiples of it
     unsigned position_bits = 12;

@@ -580,6 +580,53 @@ TEST(ModelLayers, FinestLayersAreWholeTiles) {
     }
 }
 
+// The diffuse light of the texel at a place that faces upwards.
+double light_above(const ModelLayers& layers, const glm::dvec2& place) {
+    const SurfaceMesh& mesh = layers.decoded_mesh;
+    const LayerTexture& diffuse = layer(layers, LayerRole::diffuse);
+    for (const auto& triangle : mesh.triangles) {
+        std::array<glm::dvec2, 3> p, uv;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const glm::dvec3 corner(mesh.positions[triangle[k]]);
+            p[k] = {corner.x, corner.z};
+            uv[k] = glm::dvec2(mesh.uv[triangle[k]]);
+        }
+        const glm::dvec2 b = p[1] - p[0], c = p[2] - p[0], d = place - p[0];
+        const double area = b.x * c.y - b.y * c.x;
+        const double of_b = (d.x * c.y - d.y * c.x) / area, of_c = (b.x * d.y - b.y * d.x) / area;
+        if (!(area < 0.0) || of_b < 0.0 || of_c < 0.0 || of_b + of_c > 1.0)
+            continue;
+        const glm::dvec2 at = uv[0] + of_b * (uv[1] - uv[0]) + of_c * (uv[2] - uv[0]);
+        const auto u = static_cast<std::size_t>(at.x * diffuse.desc.size[axis_u]),
+                   v = static_cast<std::size_t>(at.y * diffuse.desc.size[axis_v]);
+        const std::size_t texel = v * diffuse.desc.size[axis_u] + u;
+        EXPECT_NE(diffuse.mask[texel], std::byte{0});
+        return diffuse.scale *
+               srgb_to_linear(std::to_integer<int>(diffuse.texels[3 * texel]) / 255.0);
+    }
+    ADD_FAILURE() << "no triangle there";
+    return 0.0;
+}
+
+TEST(ModelLayers, SmallThingsCastShadowsOnHugeFloors) {
+    Model model = cube_on_floor();
+    model.materials[0].metal = 0;
+    const ModelLight light{uniform_environment(0.1f),
+                           Sun{glm::normalize(glm::dvec3(1, 1, 0)), glm::dvec3(1.0)}};
+    ModelLayersOptions options = quick();
+    options.texels = 12'000;
+    const ModelLayers layers = baked(model, light, options);
+    const auto beside_cube = [&](double x, double z) {
+        return light_above(layers, glm::dvec2(cube_place.x, cube_place.z) +
+                                       static_cast<double>(cube_side) * glm::dvec2(x, z));
+    };
+    for (const auto& [x, z] :
+         {std::pair(1.6, 0.0), {0.0, 0.8}, {0.0, -0.8}, {-1.9, 0.0}, {99.0, -99.0}})
+        EXPECT_NEAR(beside_cube(x, z), beside_cube(2.0, 2.0), 0.1) << x << ", " << z;
+    for (const auto& [x, z] : {std::pair(-0.8, 0.0), {-1.1, 0.0}, {-1.0, 0.2}, {-1.0, -0.2}})
+        EXPECT_LT(beside_cube(x, z), 0.5 * beside_cube(2.0, 2.0)) << x << ", " << z;
+}
+
 TEST(ModelLayers, CanBeInterrupted) {
     ModelLayersOptions options = quick();
     options.run.cancelled = [] { return true; };

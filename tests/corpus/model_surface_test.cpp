@@ -85,6 +85,12 @@ TEST(ModelSurface, TexelsFollowTheDetailOfPictures) {
     std::vector<FlatChart> plain(3, {.triangles = {0}, .sides = {1, 1}, .shape = {}});
     const double even = shrink_to_detail(plain, model, 15'000, 1.0);
     EXPECT_NEAR(plain[0].sides.x * even, 100.0, 1e-3);
+    // One that is viewed from far away leaves texels to the others.
+    std::vector<FlatChart> viewed(3, {.triangles = {0}, .sides = {1, 1}, .shape = {}});
+    viewed[1].share = 0.25;
+    const double nearer = shrink_to_detail(viewed, model, 16'500, 1.0);
+    EXPECT_NEAR(viewed[0].sides.x * nearer, 126.5, 0.1);
+    EXPECT_EQ(viewed[1].sides.x, 0.25 * viewed[0].sides.x);
 }
 
 // Squares of side 1, each with its own vertices, in rows of 32.

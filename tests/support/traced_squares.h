@@ -1,4 +1,4 @@
-// Models of horizontal squares, and what an observer sees of a model.
+// Models with horizontal squares, and what an observer sees of a model.
 #pragma once
 
 #include "corpus/trace/tracer.h"
@@ -22,6 +22,24 @@ inline void add_square(Model& model, float size, float height, bool down, std::u
     };
     add(0, 2, 1);
     add(1, 2, 3);
+}
+
+// A cube, whose triangles come first, on a floor whose sides are 400 times as long. The uv of the
+// floor are its x and z.
+inline const glm::vec3 cube_place{-1.2f, 0.0f, 1.3f};
+inline constexpr float cube_side = 0.01f;
+
+inline Model cube_on_floor() {
+    Model model = cube_model();
+    for (ModelVertex& v : model.vertices)
+        v.position = 0.25f * cube_side * v.position + cube_place;
+    const std::size_t first = model.vertices.size();
+    add_square(model, 200.0f * cube_side, -0.5f * cube_side, false, 0);
+    for (std::size_t i = first; i < model.vertices.size(); ++i) {
+        const glm::vec3 p = model.vertices[i].position;
+        model.vertices[i].uv = {glm::vec2(p.x, p.z), glm::vec2(0.0f)};
+    }
+    return model;
 }
 
 inline Tracer tracer_of(const Model& model, ModelLight light) {
