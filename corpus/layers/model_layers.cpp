@@ -80,7 +80,7 @@ Result<ModelLayers> bake_model_layers(const Model& model, const ModelLight& ligh
     // Without lights in the file, they still spread the rays evenly over the environment.
     const DistantLights lights(light,
                                options.lights > 0 ? options.lights : ModelLayersOptions().lights);
-    const NearestLobes nearest(light, options.exposure);
+    const NearestLobes nearest(light);
     const bool mirrors = mirrors_light(model);
     if (options.lights > 0 && mirrors)
         out.lights = lights.lights(options.exposure);

@@ -184,6 +184,19 @@ BallView ball_view(const Environment& environment, const Lobes& lobes,
     return seen;
 }
 
+// The mean over all directions.
+double mean_light(const Environment& environment) {
+    constexpr unsigned count = 1024;
+    double sum = 0;
+    for (unsigned i = 0; i < count; ++i) {
+        PathRandom random(ball_sequence, i);
+        const LightSample at = environment.sample(random.next2());
+        if (at.density > 0.0)
+            sum += (at.light.x + at.light.y + at.light.z) / (3.0 * at.density);
+    }
+    return sum / (4.0 * std::numbers::pi * count);
+}
+
 bool reflects_by_coats(const Lobes& lobes) {
     const Coats& coats = lobes.coats;
     return lobes.has_coats && (coats.clear > 0.0 || coats.sheen != glm::dvec3(0.0) ||
@@ -196,8 +209,12 @@ bool differs_by_coats(const Lobes& lobes) {
     return reflects_by_coats(lobes) || (lobes.has_coats && lobes.coats.through != glm::dvec3(0.0));
 }
 
-NearestLobes::NearestLobes(const ModelLight& light, double exposure)
-    : environment_(light.environment), exposure_(exposure) {}
+NearestLobes::NearestLobes(const ModelLight& light) : environment_(light.environment) {
+    constexpr double dark = 1e-6, white = 0.6;
+    if (mean_light(*environment_) < dark)
+        environment_ = std::make_shared<const Environment>(Environment::studio());
+    exposure_ = white / mean_light(*environment_);
+}
 
 // Lobes of textured materials are rounded, so that few of them need a fit.
 Lobes NearestLobes::rounded(const Lobes& lobes, Key& key) {

@@ -21,7 +21,8 @@ bool differs_by_coats(const Lobes& lobes);
 // Thread-safe. Which lobes come out does not depend on what was asked before.
 class NearestLobes {
 public:
-    NearestLobes(const ModelLight& light, double exposure);
+    // With the default studio in place of a dark environment.
+    explicit NearestLobes(const ModelLight& light);
 
     // The nearest lobes without coats. Nothing passes.
     Lobes operator()(const Lobes& lobes) const;
@@ -42,7 +43,7 @@ private:
     Fit fit(const Lobes& lobes) const;
 
     std::shared_ptr<const Environment> environment_;
-    double exposure_;
+    double exposure_ = 1.0; // by which white is as bright in the mean light as `bake` makes it
     mutable std::mutex mutex_;
     mutable std::map<Key, Fit> fits_;
 };

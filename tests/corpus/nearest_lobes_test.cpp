@@ -1,13 +1,15 @@
 // Tests the lobes that layers have in place of coats.
 #include "corpus/layers/nearest_lobes.h"
 
-#include <gtest/gtest.h>
+#include "tests/support/traced_squares.h"
 
 namespace tessera::corpus {
 namespace {
 
+using namespace support;
+
 NearestLobes in_studio() {
-    return {{std::make_shared<const Environment>(Environment::studio()), {}}, 0.5};
+    return NearestLobes({std::make_shared<const Environment>(Environment::studio()), {}});
 }
 
 Lobes rough_paint() {
@@ -46,6 +48,16 @@ TEST(NearestLobes, ColouredMetalKeepsItsColourBelowACoat) {
     const Lobes found = nearest(lobes);
     EXPECT_GT(found.facing.x, 0.4);
     EXPECT_LT(found.facing.y, 0.15);
+}
+
+// Lamps light some models alone.
+TEST(NearestLobes, DoNotNeedAnEnvironment) {
+    const NearestLobes nearest({uniform_environment(0.0f), {}}), other = in_studio();
+    Lobes lobes = rough_paint();
+    lobes.coats.clear = 1.0;
+    lobes.coats.clear_alpha = 0.01;
+    EXPECT_EQ(nearest(lobes).diffuse, other(lobes).diffuse);
+    EXPECT_EQ(nearest(lobes).facing, other(lobes).facing);
 }
 
 // Long highlights of metal are no brighter than the metal.
