@@ -206,7 +206,13 @@ bool reflects_by_coats(const Lobes& lobes) {
 } // namespace
 
 bool differs_by_coats(const Lobes& lobes) {
-    return reflects_by_coats(lobes) || (lobes.has_coats && lobes.coats.through != glm::dvec3(0.0));
+    constexpr double sharp_alpha = 0.0225; // a roughness of 0.15
+    const Coats& coats = lobes.coats;
+    if (lobes.has_coats && coats.through != glm::dvec3(0.0))
+        return true;
+    const bool only_film =
+        !(coats.clear > 0.0 || coats.along_alpha > 0.0) && coats.sheen == glm::dvec3(0.0);
+    return reflects_by_coats(lobes) && !(only_film && lobes.alpha < sharp_alpha);
 }
 
 NearestLobes::NearestLobes(const ModelLight& light) : environment_(light.environment) {

@@ -9,7 +9,8 @@
 
 namespace tessera::corpus {
 
-// Whether the place reflects or passes light otherwise than its lobes without coats.
+// Whether the place reflects or passes light otherwise than its lobes without coats, more smoothly than
+// a mirror does: the colours of a film on a mirror are as sharp as what it mirrors.
 bool differs_by_coats(const Lobes& lobes);
 
 // Layers have diffuse light and one round lobe per place, whose reflectance rises to 1 at grazing
