@@ -18,7 +18,7 @@ constexpr double noisy_share = 1e-3;
 // The mean light from the mirrored direction (s, t) at the texels, weighted by their specular lobe:
 // what they mirror, divided by what they would mirror of white light.
 glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& places,
-                         const OpenPlaces& open, const Tracer& tracer,
+                         const OpenPlaces& open, const Tracer& tracer, const NearestLobes& nearest,
                          const ReflectionOptions& options, double s, double t) {
     glm::dvec3 sum(0.0), weights(0.0);
     for (unsigned i = 0; i < options.samples; ++i) {
@@ -33,7 +33,7 @@ glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& 
         view -= 2.0 * std::min(glm::dot(view, n), 0.0) * n;
         constexpr double least = 0.02;
         view = glm::normalize(view + std::max(least - glm::dot(view, n), 0.0) * n);
-        const Lobes lobes = without_coats(at.point.lobes);
+        const Lobes lobes = nearest(at.point.lobes);
         at.point.lobes = {.facing = lobes.facing, .alpha = lobes.alpha, .grazing = lobes.grazing};
         at.point.opacity = 1.0;
         const SpecularLobe lobe{at.point, view};
@@ -94,8 +94,8 @@ Result<LayerTexture> bake_visibility_layer(const ModelPlaces& places, const Plac
 }
 
 Result<LayerTexture> bake_reflection_layer(const ModelPlaces& places, const PlaceLight& light,
-                                           const Tracer& tracer, const ReflectionOptions& options,
-                                           const BakeRun& run) {
+                                           const Tracer& tracer, const NearestLobes& nearest,
+                                           const ReflectionOptions& options, const BakeRun& run) {
     const std::uint32_t step = std::max(options.cell, 1u);
     const Texels2 all = places.texel_places().size();
     const Texels2 size{(all[0] + step - 1) / step, (all[1] + step - 1) / step};
@@ -120,8 +120,8 @@ Result<LayerTexture> bake_reflection_layer(const ModelPlaces& places, const Plac
             for (std::uint32_t t = 0; t < rows; ++t)
                 for (std::uint32_t s = 0; s < columns; ++s)
                     arriving[(cell * rows + t) * columns + s] =
-                        glm::vec3(reflection_at(texels, places, light.open(), tracer, options,
-                                                (s + 0.5) / columns, (t + 0.5) / rows));
+                        glm::vec3(reflection_at(texels, places, light.open(), tracer, nearest,
+                                                options, (s + 0.5) / columns, (t + 0.5) / rows));
         }
     }));
     store_light(texture, arriving, most_reflection, noisy_share);

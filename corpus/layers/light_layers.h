@@ -2,6 +2,7 @@
 #pragma once
 
 #include "corpus/layers/layer_texture.h"
+#include "corpus/layers/nearest_lobes.h"
 #include "corpus/layers/place_light.h"
 
 namespace tessera::corpus {
@@ -23,7 +24,7 @@ struct ReflectionOptions {
 
 // The light that arrives at groups of places from mirrored directions. Errors: those of for_rows().
 Result<LayerTexture> bake_reflection_layer(const ModelPlaces& places, const PlaceLight& light,
-                                           const Tracer& tracer, const ReflectionOptions& options,
-                                           const BakeRun& run);
+                                           const Tracer& tracer, const NearestLobes& nearest,
+                                           const ReflectionOptions& options, const BakeRun& run);
 
 } // namespace tessera::corpus

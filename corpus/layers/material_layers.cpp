@@ -22,20 +22,10 @@ struct Material {
     glm::dvec2 normal{0.0}; // in the frame of the mesh
 };
 
-// The light from behind a surface, seen from all sides: layers have none that depends on the view.
-glm::dvec3 mean_transmitted(const Tracer& tracer, const LitPoint& point, std::uint64_t sequence) {
-    glm::dvec3 sum(0.0);
-    for (unsigned i = 0; i < transmission_paths; ++i) {
-        PathRandom random(sequence, i);
-        const glm::dvec3 view = sample_cosine(point.normal, random.next2());
-        sum += tracer.transmitted(Tracer::facing(point, view), view, random);
-    }
-    return sum / static_cast<double>(transmission_paths);
-}
-
 // The mean over the texel; nothing if no light is known there.
 std::optional<Material> material_of(const ModelPlaces& fine, const PlaceLight& light,
-                                    const Tracer& tracer, std::uint32_t finer, std::uint32_t u,
+                                    const Tracer& tracer, const NearestLobes& nearest,
+                                    std::uint32_t finer, double exposure, std::uint32_t u,
                                     std::uint32_t v) {
     Material sum;
     double lit = 0;
@@ -43,7 +33,7 @@ std::optional<Material> material_of(const ModelPlaces& fine, const PlaceLight& l
     for (const glm::dvec2& offset : material_places) {
         ModelSurfacePlace at = fine.place(u, v, offset);
         at.point.opacity = 1.0; // layers hold the light of the surface itself
-        const Lobes lobes = without_coats(at.point.lobes);
+        const Lobes lobes = nearest(at.point.lobes);
         const glm::dvec2 texel =
             (glm::dvec2(u + 0.5, v + 0.5) + offset) / static_cast<double>(finer);
         const std::size_t chart = fine.texel_places().chart_of(at.on.triangle);
@@ -52,9 +42,7 @@ std::optional<Material> material_of(const ModelPlaces& fine, const PlaceLight& l
             ++lit;
         }
         sum.emission += share * at.point.emission;
-        if (at.point.lobes.has_coats)
-            sum.emission +=
-                share * mean_transmitted(tracer, at.point, mix_bits(transmission_sequence));
+        sum.emission += share * mean_transmitted(tracer, at.point, exposure);
         sum.specular += share * lobes.facing;
         sum.roughness += share * std::sqrt(lobes.alpha);
         sum.normal += share * glm::dvec2(glm::dot(at.point.normal, at.frame.ex),
@@ -130,16 +118,29 @@ bool needs_emission(const Model& model) {
 
 } // namespace
 
+glm::dvec3 mean_transmitted(const Tracer& tracer, const LitPoint& point, double exposure) {
+    if (point.lobes.coats.through == glm::dvec3(0.0))
+        return glm::dvec3(0.0);
+    glm::dvec3 sum(0.0);
+    for (unsigned i = 0; i < transmission_paths; ++i) {
+        PathRandom random(mix_bits(transmission_sequence), i);
+        const glm::dvec3 view = sample_cosine(point.normal, random.next2());
+        sum += glm::min(tracer.transmitted(Tracer::facing(point, view), view, random),
+                        most_light / exposure);
+    }
+    return sum / static_cast<double>(transmission_paths);
+}
+
 bool mirrors_light(const Model& model) {
     return std::ranges::any_of(model.triangles, [&](const ModelTriangle& t) {
         return !model.materials[t.material].is_unlit;
     });
 }
 
-Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
-                                                       const PlaceLight& light,
-                                                       const Tracer& tracer, std::uint32_t finer,
-                                                       double exposure, const BakeRun& run) {
+Result<std::vector<LayerTexture>>
+bake_material_layers(const ModelPlaces& fine, const PlaceLight& light, const Tracer& tracer,
+                     const NearestLobes& nearest, std::uint32_t finer, double exposure,
+                     const BakeRun& run) {
     const Texels2 size = fine.texel_places().size();
     const Extent4 whole{size[0], size[1], 1, 1};
     LayerTexture diffuse = make_layer(LayerRole::diffuse, whole, 3),
@@ -160,7 +161,7 @@ Result<std::vector<LayerTexture>> bake_material_layers(const ModelPlaces& fine,
         for (std::uint32_t u = 0; u < size[0]; ++u) {
             if (!fine.texel_places().matters(u, v))
                 continue;
-            const auto m = material_of(fine, light, tracer, finer, u, v);
+            const auto m = material_of(fine, light, tracer, nearest, finer, exposure, u, v);
             if (!m)
                 continue;
             const std::size_t i = std::size_t{v} * size[0] + u;

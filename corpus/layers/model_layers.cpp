@@ -1,5 +1,6 @@
 #include "corpus/layers/model_layers.h"
 
+#include "corpus/layers/difference_layer.h"
 #include "corpus/layers/distant_lights.h"
 #include "corpus/layers/environment_layer.h"
 #include "corpus/layers/light_layers.h"
@@ -89,6 +90,7 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     // Without lights in the file, they still spread the rays evenly over the environment.
     const DistantLights lights(light,
                                options.lights > 0 ? options.lights : ModelLayersOptions().lights);
+    const NearestLobes nearest(light);
     const bool mirrors = mirrors_light(model);
     if (options.lights > 0 && mirrors)
         out.lights = lights.lights(options.exposure);
@@ -97,8 +99,9 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     TESSERA_TRY_ASSIGN(const PlaceLight places,
                        PlaceLight::make(coarse, tracer, lights, gathering, options.run));
     out.noise = places.noise();
-    TESSERA_TRY_ASSIGN(out.layers, bake_material_layers(fine, places, tracer, options.light_texel,
-                                                        options.exposure, options.run));
+    TESSERA_TRY_ASSIGN(out.layers,
+                       bake_material_layers(fine, places, tracer, nearest, options.light_texel,
+                                            options.exposure, options.run));
     if (!mirrors)
         return out;
     if (!out.lights.empty()) {
@@ -118,8 +121,9 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
         .seed = options.light.seed,
         .exposure = options.exposure,
         .distant = out.lights.empty()};
-    TESSERA_TRY_ASSIGN(LayerTexture reflected,
-                       bake_reflection_layer(coarse, places, tracer, reflection, options.run));
+    TESSERA_TRY_ASSIGN(
+        LayerTexture reflected,
+        bake_reflection_layer(coarse, places, tracer, nearest, reflection, options.run));
     out.layers.push_back(std::move(reflected));
     const std::vector<double> lobes = environment_lobes(out.layers);
     if (!lobes.empty() && !out.lights.empty()) {
@@ -128,6 +132,13 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
                                                   {.exposure = options.exposure}, options.run));
         out.layers.push_back(std::move(environment));
     }
+    TESSERA_TRY_ASSIGN(
+        std::optional<LayerTexture> difference,
+        bake_difference_layer(coarse, places, tracer, nearest,
+                              {.seed = options.light.seed, .exposure = options.exposure},
+                              options.run));
+    if (difference)
+        out.layers.push_back(std::move(*difference));
     return out;
 }
 

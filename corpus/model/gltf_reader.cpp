@@ -10,7 +10,7 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr int deepest = 64;                 // levels of nodes
+constexpr int deepest = 1'000;              // levels of nodes
 constexpr std::size_t most_nodes = 100'000; // in the scene, with repetitions
 
 Status read_indices(const tinygltf::Model& file, const tinygltf::Primitive& primitive,

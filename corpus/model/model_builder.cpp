@@ -1,5 +1,6 @@
 #include "corpus/model/opaque_alpha.h"
 #include "corpus/model/readers.h"
+#include "corpus/model/turned_vertex.h"
 
 #include <algorithm>
 #include <cmath>
@@ -97,6 +98,15 @@ glm::dvec3 normal_or_zero(const std::array<glm::dvec3, 3>& p) {
     return glm::length(cross) > 1e-9 * longest ? glm::normalize(cross) : glm::dvec3(0.0);
 }
 
+// Whether the file's normals at all corners point to the back of a triangle, as where a tool turned
+// faces alone. No light would reach such a triangle.
+bool has_normals_behind(const ModelPart& part, const std::array<std::uint32_t, 3>& corners,
+                        const Placement& placement, const glm::dvec3& face) {
+    return !part.normals.empty() && std::ranges::all_of(corners, [&](std::uint32_t i) {
+        return glm::dot(placement.of_normals * glm::dvec3(part.normals[i]), face) < 0.0;
+    });
+}
+
 } // namespace
 
 Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
@@ -114,7 +124,8 @@ Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
         return {ErrorCode::invalid_file,
                 part.name + " has a transform whose determinant is 0 or too large"};
     constexpr std::uint32_t none = UINT32_MAX;
-    std::vector<std::uint32_t> numbers(part.positions.size(), none); // of vertices in the model
+    // Of vertices in the model, and of those with turned normals.
+    std::vector<std::uint32_t> numbers(part.positions.size(), none), turned;
     for (std::size_t i = 0; i < part.indices.size(); i += 3) {
         std::array<std::uint32_t, 3> corners{part.indices[i], part.indices[i + 1],
                                              part.indices[i + 2]};
@@ -129,12 +140,16 @@ Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
             continue;
         }
         ModelTriangle triangle{.vertices = {}, .material = part.material};
+        const bool turns = has_normals_behind(part, corners, placement, normal);
+        if (turns)
+            turned.resize(part.positions.size(), none);
         for (std::size_t k = 0; k < 3; ++k) {
-            std::uint32_t& number = numbers[corners[k]];
+            std::uint32_t& number = (turns ? turned : numbers)[corners[k]];
             // Triangles without normals in the file share no vertices.
             if (number == none || part.normals.empty()) {
                 number = static_cast<std::uint32_t>(model_.vertices.size());
-                model_.vertices.push_back(placed_vertex(part, corners[k], placement, normal));
+                ModelVertex v = placed_vertex(part, corners[k], placement, normal);
+                model_.vertices.push_back(turns ? turned_vertex(v) : v);
             }
             triangle.vertices[k] = number;
         }

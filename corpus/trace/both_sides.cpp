@@ -1,3 +1,4 @@
+#include "corpus/model/turned_vertex.h"
 #include "corpus/trace/path_random.h"
 #include "corpus/trace/ray_model.h"
 
@@ -64,9 +65,7 @@ Result<Model> with_both_sides(Model model) {
             continue;
         ModelTriangle back = turned(before[i]);
         for (std::uint32_t& vertex : back.vertices) {
-            ModelVertex v = model.vertices[vertex];
-            v.normal = -v.normal;
-            v.tangent.w = -v.tangent.w;
+            const ModelVertex v = turned_vertex(model.vertices[vertex]);
             vertex = static_cast<std::uint32_t>(model.vertices.size());
             model.vertices.push_back(v);
         }

@@ -34,13 +34,6 @@ double sheen_share(const Coats& coats, double cosine) {
     return most > 0.0 ? most * sheen_albedo(coats.sheen_alpha, cosine) : 0.0;
 }
 
-double mean_below_coats(const Coats& coats) {
-    static const double clear_mean = mean_clear_fresnel();
-    const double most = largest_part(coats.sheen);
-    return (1.0 - coats.clear * clear_mean) *
-           (most > 0.0 ? 1.0 - most * mean_sheen_albedo(coats.sheen_alpha) : 1.0);
-}
-
 // The microfacets of the base: GGX that may be longer along one direction.
 struct Microfacets {
     glm::dvec2 alpha;
@@ -129,6 +122,13 @@ glm::dvec3 sample_hemisphere(const glm::dvec3& normal, const glm::dvec2& random)
 }
 
 } // namespace
+
+double mean_below_coats(const Coats& coats) {
+    static const double clear_mean = mean_clear_fresnel();
+    const double most = largest_part(coats.sheen);
+    return (1.0 - coats.clear * clear_mean) *
+           (most > 0.0 ? 1.0 - most * mean_sheen_albedo(coats.sheen_alpha) : 1.0);
+}
 
 double below_coats(const LitPoint& p, const glm::dvec3& direction) {
     if (!p.lobes.has_coats)

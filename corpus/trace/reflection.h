@@ -30,6 +30,8 @@ struct DiffuseLobe {
 // The share of light that coats leave to what is below them, in this direction, which is above the
 // normal.
 double below_coats(const LitPoint& p, const glm::dvec3& direction);
+// Its mean over the directions of diffuse light.
+double mean_below_coats(const Coats& coats);
 
 // All lobes but the diffuse one: what a place reflects and does not scatter.
 struct SpecularLobe {

@@ -11,6 +11,7 @@ constexpr int sure_bounces = 2;       // later ones are subject to Russian roule
 constexpr double wide_alpha = 0.09;   // behind wider lobes, mirrors need not be sharper
 constexpr std::size_t most_lamps = 8; // of which each path asks for the light
 constexpr int most_panes = 64;        // that a ray passes
+constexpr glm::dvec3 no_light(0.0);
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 double largest_channel(const glm::dvec3& x) {
@@ -179,7 +180,7 @@ glm::dvec3 Tracer::specular_of_model(const LitPoint& point, const glm::dvec3& vi
     if (!hit)
         return lit;
     return lit + thrown.share / thrown.density *
-                     arriving(start, l, hit, thrown.density, lobe.width(), random, true);
+                     arriving(start, l, hit, thrown.density, lobe.width(), random, no_light);
 }
 
 double Tracer::emitter_density(const glm::dvec3& origin, const glm::dvec3& direction,
@@ -231,9 +232,9 @@ Tracer::Incoming Tracer::incoming_of_model(const LitPoint& point, double toward_
     if (!hit)
         return found;
     found.density = cosine_density(glm::dot(point.normal, found.direction));
-    found.light =
-        arriving(start, found.direction, hit,
-                 emitters_.empty() ? infinite : found.density / toward_emitters, 1.0, random, true);
+    found.light = arriving(start, found.direction, hit,
+                           emitters_.empty() ? infinite : found.density / toward_emitters, 1.0,
+                           random, no_light);
     return found;
 }
 
@@ -315,7 +316,7 @@ glm::dvec3 Tracer::from_model(const LitPoint& point, const glm::dvec3& direction
     const Hit hit = next_hit(start, direction, random);
     if (!hit)
         return glm::dvec3(0.0);
-    return arriving(start, direction, hit, infinite, 1.0, random, true);
+    return arriving(start, direction, hit, infinite, 1.0, random, no_light);
 }
 
 glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
@@ -325,7 +326,8 @@ glm::dvec3 Tracer::leaving(const LitPoint& point, const glm::dvec3& view,
 }
 
 glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, double density,
-                            double widest, PathRandom& random, bool of_model) const {
+                            double widest, PathRandom& random,
+                            std::optional<glm::dvec3> beyond) const {
     glm::dvec3 sum(0.0), share(1.0);
     bool is_straight = true; // so far
     // Divides light by it: the weight of the balance heuristic. direct() adds the rest.
@@ -334,8 +336,8 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
     };
     for (int bounce = 0;;) {
         if (!hit) {
-            if (of_model && is_straight)
-                return sum;
+            if (beyond && is_straight)
+                return sum + share * *beyond;
             return sum + share * light_.environment->light(direction) /
                              divisor(light_.environment->density(direction));
         }

@@ -19,8 +19,8 @@ struct ModelLight {
     std::shared_ptr<const Environment> environment; // never null
     std::optional<Sun> sun{};
     std::vector<ModelLamp> lamps{};
-    // The light that an observer sees beyond the model, straight through surfaces that blend. Absent:
-    // that of the environment.
+    // The light that an observer sees beyond the model, straight through surfaces that blend and
+    // clear walls. Absent: that of the environment.
     std::optional<glm::dvec3> backdrop{};
 };
 
@@ -116,9 +116,11 @@ private:
     // Light along a ray that meets `hit`. Its direction was sampled with this density. Without the
     // share of the environment and of emission at `hit` that direct() counts. An infinite density
     // means that direct() was not called. `widest`: the alpha of the widest lobe that the path has met.
-    // `of_model`: without light of the environment that comes straight, through clear walls at most.
+    // `beyond`: the light beyond the model if the ray comes straight, through clear walls at most,
+    // instead of that of the environment.
     glm::dvec3 arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, double density,
-                        double widest, PathRandom& random, bool of_model = false) const;
+                        double widest, PathRandom& random,
+                        std::optional<glm::dvec3> beyond = {}) const;
     // The same, plus direct().
     template <class Lobe>
     glm::dvec3 reflected(const LitPoint& point, const Lobe& lobe, const glm::dvec3& sampled,

@@ -166,10 +166,8 @@ glm::dvec3 Tracer::transmitted(const LitPoint& point, const glm::dvec3& view,
     glm::dvec3 sum(0.0);
     if (point.opacity < 1.0) {
         const glm::dvec3 start = point.position - view * off;
-        const Hit hit = next_hit(start, -view, random);
-        sum += (1.0 - point.opacity) * (!hit && light_.backdrop
-                                            ? *light_.backdrop
-                                            : arriving(start, -view, hit, infinite, 0.0, random));
+        sum += (1.0 - point.opacity) * arriving(start, -view, next_hit(start, -view, random),
+                                                infinite, 0.0, random, light_.backdrop);
     }
     if (!passes_light(point))
         return sum;
@@ -179,7 +177,8 @@ glm::dvec3 Tracer::transmitted(const LitPoint& point, const glm::dvec3& view,
     return sum + point.opacity * ray.share *
                      arriving(ray.origin, ray.direction,
                               next_hit(ray.origin, ray.direction, random), infinite,
-                              ray.is_straight ? 0.0 : point.lobes.coats.through_alpha, random);
+                              ray.is_straight ? 0.0 : point.lobes.coats.through_alpha, random,
+                              ray.is_straight ? light_.backdrop : std::nullopt);
 }
 
 } // namespace tessera::corpus

@@ -48,6 +48,43 @@ TEST_F(Models, TriangleOfGltfFillsThePapersSphere) {
     EXPECT_NEAR(farthest, 3.5, 1e-5);
 }
 
+// A tool turned a face and left its normals.
+TEST_F(Models, NormalsBehindTheirTriangleAreTurned) {
+    GltfText text;
+    text.attributes = R"(,"NORMAL":2)";
+    text.accessors = R"(,{"bufferView":2,"componentType":5126,"type":"VEC3","count":3})";
+    text.views = R"(,{"buffer":2,"byteLength":36})";
+    const auto normals = [&](const std::vector<float>& values) {
+        text.buffers = R"(,{"byteLength":36,"uri":"data:application/octet-stream;base64,)" +
+                       base64_of(values) + R"("})";
+        const auto model = load("a.gltf", text.text());
+        EXPECT_TRUE(model.ok()) << model.status().message();
+        std::vector<glm::vec3> found;
+        for (const std::uint32_t i : model->triangles[0].vertices)
+            found.push_back(model->vertices[i].normal);
+        return found;
+    };
+    for (const glm::vec3& n : normals({0, 0, -1, 0, 0, -1, 0, 0.6f, -0.8f}))
+        EXPECT_GT(n.z, 0.7f);
+    // One that points behind may be meant.
+    EXPECT_LT(normals({0, 0, 1, 0, 0, 1, 0, 0.6f, -0.8f})[2].z, -0.7f);
+}
+
+// Chains of bones and ropes are deep.
+TEST_F(Models, NodesMayBeDeep) {
+    const auto chain = [](int nodes) {
+        GltfText text;
+        text.nodes.clear();
+        for (int i = 1; i < nodes; ++i)
+            text.nodes += R"({"children":[)" + std::to_string(i) + "]},";
+        text.nodes += R"({"mesh":0})";
+        return text.text();
+    };
+    const auto deep = load("a.gltf", chain(1000));
+    EXPECT_TRUE(deep.ok()) << deep.status().message();
+    refuse("b.gltf", chain(1001), ErrorCode::invalid_file, "more than 1000 levels deep");
+}
+
 TEST_F(Models, NodesTurnAndMirror) {
     GltfText text;
     text.nodes =

@@ -35,6 +35,26 @@ TEST(Transmission, ThinWallsTintLightOnce) {
     EXPECT_NEAR(glm::distance(twice, glm::dvec3(0.25, 0.0625, 1.0)), 0, 0.03);
 }
 
+// As through surfaces that blend, an observer sees the backdrop straight through clear walls, however
+// many, and the environment through volumes.
+TEST(Transmission, ObserversSeeTheBackdropThroughClearWalls) {
+    Model model;
+    model.materials = {glass(glm::dvec3(1.0), 1.5)};
+    add_square(model, 2, 0, false, 0);
+    ModelLight light = white_light();
+    const auto look = [&] { return seen(tracer_of(model, light), {0.3, 5, 0.2}, below); };
+    const double through = look().x;
+    light.backdrop = glm::dvec3(0.0);
+    const double mirrored = look().x;
+    EXPECT_GT(through, 0.9);
+    EXPECT_NEAR(mirrored, 0.04, 0.01);
+    light.backdrop = glm::dvec3(0.5);
+    EXPECT_NEAR(look().x, mirrored + 0.5 * (through - mirrored), 0.01);
+    light.backdrop = glm::dvec3(0.0);
+    add_square(model, 2, -1, false, 0);
+    EXPECT_LT(look().x, 0.1);
+}
+
 // What passes and what is mirrored add up to all light, for smooth and rough walls.
 TEST(Transmission, WhiteWallsLoseLittle) {
     for (const double roughness : {0.0, 0.4})

@@ -225,9 +225,9 @@ TEST_F(BakeVerb, LayersNameWhatTheyApproximate) {
         "bake coat.gltf --texels 1024 --lights 1 --spp 1 --effort 0 -o a.tess ";
     const Json whole = json(bake + "--layered --json");
     ASSERT_EQ(whole["warnings"].size(), 2u);
-    EXPECT_EQ(whole["warnings"][0]["warning"], "in layers a clear coat joins the mirror below it");
-    EXPECT_EQ(whole["warnings"][1]["warning"],
-              "in layers transmitted light is the same for all views");
+    EXPECT_EQ(whole["warnings"][0]["warning"],
+              "in layers a clear coat and the mirror below it share a highlight");
+    EXPECT_EQ(whole["warnings"][1]["warning"], "in layers transmitted light is blurred");
     fail(5, bake + "--layered --strict -q", {"coat.gltf", "clear coat"});
 }
 

@@ -94,11 +94,13 @@ Status warn_of_coats(const corpus::Model& model, const std::string& path, Warnin
             continue;
         const bool has_sheen = coats->sheen != glm::dvec3(0.0);
         for (const auto& [has, what] :
-             {std::pair(coats->clear > 0.0, "a clear coat joins the mirror below it"),
-              std::pair(has_sheen, "sheen joins diffuse light"),
-              std::pair(coats->anisotropy > 0.0, "highlights are equally long in all directions"),
-              std::pair(coats->film > 0.0, "iridescence has one colour"),
-              std::pair(coats->through > 0.0, "transmitted light is the same for all views")})
+             {std::pair(coats->clear > 0.0,
+                        "a clear coat and the mirror below it share a highlight"),
+              std::pair(has_sheen, "sheen is blurred"),
+              std::pair(coats->anisotropy > 0.0,
+                        "highlights that are longer in one direction are blurred"),
+              std::pair(coats->film > 0.0, "colours of iridescence are blurred"),
+              std::pair(coats->through > 0.0, "transmitted light is blurred")})
             if (has)
                 TESSERA_TRY(warnings.add(std::string("in layers ") + what, path));
     }

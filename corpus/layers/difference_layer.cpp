@@ -1,0 +1,199 @@
+#include "corpus/layers/difference_layer.h"
+
+#include "corpus/layers/material_layers.h"
+#include "corpus/model/model.h"
+#include "corpus/trace/path_random.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera::corpus {
+namespace {
+
+constexpr std::uint64_t difference_paths = 0x64696666;
+constexpr double least_difference = 0.01; // root of the mean square that is worth a layer
+
+// Groups of coated places.
+struct CoatedCells {
+    std::uint32_t step = 1; // places along a side
+    Texels2 size{0, 0};
+    std::size_t coated = 0;
+};
+
+bool has_coat(const ModelPlaces& places, const PlaceLight& light, std::uint32_t u,
+              std::uint32_t v) {
+    return light.matters(u, v) && differs_by_coats(places.place(u, v, {0.0, 0.0}).point.lobes);
+}
+
+CoatedCells cells_of(const std::vector<bool>& coated, const Texels2& all, std::uint32_t step) {
+    CoatedCells cells{step, {(all[0] + step - 1) / step, (all[1] + step - 1) / step}};
+    std::vector<bool> any(std::size_t{cells.size[0]} * cells.size[1], false);
+    for (std::uint32_t v = 0; v < all[1]; ++v)
+        for (std::uint32_t u = 0; u < all[0]; ++u)
+            if (coated[std::size_t{v} * all[0] + u])
+                any[std::size_t{v / step} * cells.size[0] + u / step] = true;
+    cells.coated = static_cast<std::size_t>(std::ranges::count(any, true));
+    return cells;
+}
+
+// A place of a cell and what does not depend on the view there.
+struct CellPlace {
+    ModelSurfacePlace at;
+    LitPoint bare;           // as layers have it
+    glm::dvec3 diffuse{0.0}; // its diffuse light, and what all layers have without highlights
+    glm::dvec3 constant{0.0};
+};
+
+class CellOfPlaces {
+public:
+    CellOfPlaces(const ModelPlaces& places, const PlaceLight& light, const Tracer& tracer,
+                 const NearestLobes& nearest, const std::vector<Texels2>& texels, unsigned samples,
+                 std::uint64_t seed, double exposure)
+        : tracer_(tracer), seed_(seed), exposure_(exposure) {
+        for (unsigned i = 0; i < samples; ++i) {
+            PathRandom random(seed, i);
+            const double which = random.next() * static_cast<double>(texels.size());
+            const Texels2& texel =
+                texels[std::min(static_cast<std::size_t>(which), texels.size() - 1)];
+            CellPlace place;
+            const glm::dvec2 offset = light.open().offset(texel[0], texel[1], random.next2());
+            place.at = places.place(texel[0], texel[1], offset);
+            LitPoint& point = place.at.point;
+            point.normal = place.at.frame.ez;
+            point.opacity = 1.0;
+            const Lobes lobes = nearest(point.lobes);
+            place.bare = point;
+            place.bare.lobes = {.facing = lobes.facing, .alpha = lobes.alpha};
+            const auto arriving =
+                light.diffuse(glm::dvec2(texel[0] + 0.5, texel[1] + 0.5) + offset,
+                              places.texel_places().chart_of(place.at.on.triangle), point.normal);
+            if (!arriving)
+                continue;
+            place.diffuse = point.lobes.diffuse * *arriving;
+            place.constant = lobes.diffuse * *arriving + mean_transmitted(tracer, point, exposure);
+            places_.push_back(place);
+        }
+    }
+
+    // The difference of display values in a mirrored direction.
+    glm::vec3 difference(double s, double t) const {
+        glm::dvec3 all(0.0), layers(0.0);
+        for (std::size_t i = 0; i < places_.size(); ++i) {
+            const CellPlace& place = places_[i];
+            const glm::dvec3 n = place.at.frame.ez;
+            glm::dvec3 view =
+                octahedral_direction(AngularMap::octahedral_mirrored, place.at.frame, s, t);
+            view -= 2.0 * std::min(glm::dot(view, n), 0.0) * n;
+            constexpr double least = 0.02;
+            view = glm::normalize(view + std::max(least - glm::dot(view, n), 0.0) * n);
+            const LitPoint point = Tracer::facing(place.at.point, view);
+            PathRandom random(mix_bits(seed_), static_cast<std::uint32_t>(i)), same = random;
+            all += place.diffuse * below_coats(point, view) + place.at.point.emission +
+                   tracer_.specular(point, view, random);
+            layers +=
+                place.constant + place.at.point.emission + tracer_.specular(place.bare, view, same);
+        }
+        const double factor =
+            exposure_ / std::max<double>(1.0, static_cast<double>(places_.size()));
+        glm::vec3 change;
+        for (glm::length_t c = 0; c < 3; ++c)
+            change[c] = static_cast<float>(linear_to_srgb(all[c] * factor) -
+                                           linear_to_srgb(layers[c] * factor));
+        return change;
+    }
+
+private:
+    const Tracer& tracer_;
+    std::uint64_t seed_;
+    double exposure_;
+    std::vector<CellPlace> places_;
+};
+
+// An error of a sample changes display values by the scale, and steps between charts are seen.
+double quality_for_difference(double scale) {
+    constexpr double usual_scale = 0.6, usual = 6.0, per_doubling = 8.0;
+    return std::clamp(usual + per_doubling * std::log2(scale / usual_scale), -12.0, 8.0);
+}
+
+// Stores signed values, with the largest as the scale.
+void store_differences(LayerTexture& layer, const LightTexels& values) {
+    double most = 1e-3;
+    for (const glm::vec3& x : values)
+        for (glm::length_t c = 0; c < 3; ++c)
+            most = std::max(most, std::abs(static_cast<double>(x[c])));
+    layer.scale = most;
+    layer.transfer = Transfer::linear;
+    layer.quality_change = quality_for_difference(most);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        for (glm::length_t c = 0; c < 3; ++c)
+            layer.texels[3 * i + static_cast<std::size_t>(c)] = static_cast<std::byte>(
+                static_cast<unsigned>(128.5 + 127.0 * static_cast<double>(values[i][c]) / most));
+}
+
+} // namespace
+
+Result<std::optional<LayerTexture>>
+bake_difference_layer(const ModelPlaces& places, const PlaceLight& light, const Tracer& tracer,
+                      const NearestLobes& nearest, const DifferenceOptions& options,
+                      const BakeRun& run) {
+    constexpr std::uint32_t least_step = 4;
+    constexpr std::size_t most_cells = 1024;
+    const Texels2 all = places.texel_places().size();
+    std::vector<bool> coated(places.texels(), false);
+    bool passes = false;
+    for (std::uint32_t v = 0; v < all[1]; ++v)
+        for (std::uint32_t u = 0; u < all[0]; ++u)
+            if (has_coat(places, light, u, v)) {
+                coated[std::size_t{v} * all[0] + u] = true;
+                passes = passes || places.place(u, v, {0.0, 0.0}).point.lobes.coats.through !=
+                                       glm::dvec3(0.0);
+            }
+    CoatedCells cells = cells_of(coated, all, least_step);
+    if (cells.coated == 0)
+        return std::optional<LayerTexture>();
+    while (cells.coated > most_cells)
+        cells = cells_of(coated, all, 2 * cells.step);
+    const std::uint32_t side = passes ? 24 : 16;
+    const auto samples = static_cast<unsigned>(std::clamp<double>(
+        static_cast<double>(options.paths) / static_cast<double>(cells.coated * side * side), 8.0,
+        64.0));
+    const Extent4 whole{cells.size[0], cells.size[1], side, side};
+    LayerTexture texture = make_layer(LayerRole::difference, whole, 3);
+    texture.mask_desc.size = {cells.size[0], cells.size[1], 1, 1};
+    texture.mask.assign(texel_count(texture.mask_desc.size), std::byte{0});
+    texture.tile = {16, 16, side, side};
+    LightTexels values(texel_count(whole), glm::vec3(0.0f));
+    std::vector<double> squares(cells.size[1], 0.0);
+    TESSERA_TRY(for_rows("baking coats", cells.size[1], run, [&](std::uint32_t v) {
+        for (std::uint32_t u = 0; u < cells.size[0]; ++u) {
+            std::vector<Texels2> texels;
+            for (std::uint32_t y = v * cells.step; y < std::min((v + 1) * cells.step, all[1]); ++y)
+                for (std::uint32_t x = u * cells.step; x < std::min((u + 1) * cells.step, all[0]);
+                     ++x)
+                    if (coated[std::size_t{y} * all[0] + x])
+                        texels.push_back({x, y});
+            if (texels.empty())
+                continue;
+            const std::size_t cell = std::size_t{v} * cells.size[0] + u;
+            texture.mask[cell] = std::byte{1};
+            const CellOfPlaces group(places, light, tracer, nearest, texels, samples,
+                                     mix_bits(options.seed + difference_paths), options.exposure);
+            for (std::uint32_t t = 0; t < side; ++t)
+                for (std::uint32_t s = 0; s < side; ++s) {
+                    glm::vec3& value = values[(cell * side + t) * side + s];
+                    value = group.difference((s + 0.5) / side, (t + 0.5) / side);
+                    squares[v] += static_cast<double>(glm::dot(value, value)) / 3.0;
+                }
+        }
+    }));
+    double square = 0;
+    for (const double x : squares)
+        square += x;
+    const auto count = static_cast<double>(cells.coated * side * side);
+    if (std::sqrt(square / count) < least_difference)
+        return std::optional<LayerTexture>();
+    store_differences(texture, values);
+    return std::optional<LayerTexture>(std::move(texture));
+}
+
+} // namespace tessera::corpus
