@@ -65,7 +65,7 @@ Result<std::unique_ptr<TextureEncode>> plan_views(TexelSource& source, const Enc
     TESSERA_TRY_ASSIGN(auto held, hold_slabs(source, options.threads, options.slab_bytes));
     TexelSource& any_order = held ? *held : source;
     if (options.reuse == nullptr) {
-        TESSERA_TRY_ASSIGN(const bool pays, alignment_pays(plain, any_order, motion.alignment));
+        TESSERA_TRY_ASSIGN(const bool pays, alignment_pays(plain, any_order, motion));
         if (!pays)
             return encode;
     }
