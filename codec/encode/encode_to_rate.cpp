@@ -16,10 +16,20 @@
 namespace tessera {
 namespace {
 
+// Pictures of at most so many texels take little time, but atlases, which have masks, are one of
+// many layers.
+constexpr std::uint64_t most_texels_of_small_picture = std::uint64_t{1} << 19;
+
+bool is_small_picture(const Extent4& size, const EncodeOptions& options) {
+    return size[axis_s] == 1 && size[axis_t] == 1 && options.mask == nullptr &&
+           texel_count(size) <= most_texels_of_small_picture;
+}
+
 EncodePlan plan_of(TexelSource& source, const EncodeOptions& options, const ToolSwitches& tools,
                    std::uint64_t texels_that_matter) {
     const TextureDesc desc = source.desc();
-    const EffortSettings effort = EffortSettings::of(options.effort, tools);
+    const EffortSettings effort =
+        EffortSettings::of(options.effort, tools, is_small_picture(desc.size, options));
     const bool is_colour = desc.channels >= 3 && effort.ycocg;
     return {.source = source,
             .options = options,
@@ -55,7 +65,7 @@ Result<std::unique_ptr<TextureEncode>> plan_views(TexelSource& source, const Enc
     TESSERA_TRY_ASSIGN(auto held, hold_slabs(source, options.threads, options.slab_bytes));
     TexelSource& any_order = held ? *held : source;
     if (options.reuse == nullptr) {
-        TESSERA_TRY_ASSIGN(const bool pays, alignment_pays(plain, any_order, motion.alignment));
+        TESSERA_TRY_ASSIGN(const bool pays, alignment_pays(plain, any_order, motion));
         if (!pays)
             return encode;
     }

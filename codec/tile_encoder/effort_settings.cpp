@@ -29,24 +29,28 @@ struct EffortRow {
     int along, across, likely, rounds;
     bool dense_tables, both_fills;
     int refinements;
-    PictureSearch pictures;
+    PictureSearch pictures, small_pictures; // small ones take little time however they are searched
 };
 
 constexpr bool on = true, off = false;
+// Modes coded, transformed; no transform, halves, quarters, crossed halves, plane trees, careful trees
+constexpr PictureSearch quick_search{1, 0, off, off, off, off, off, off},
+    usual_search{2, 1, on, on, off, off, on, off}, small_search{2, 2, on, on, on, off, on, on},
+    careful_search{3, 3, on, on, on, on, on, on};
 constexpr std::array<EffortRow, most_effort + 1> effort_rows = {{
     // grids rotation, dependent, recode; copies; dense tables, both fills, refinements, pictures
-    {four, off, off, off, 0, 0, 0, 0, off, on, 0, {}},
-    {seven, on, off, on, 0, 0, 0, 0, off, on, 0, {}},
-    {seven, on, on, on, 8, 4, 24, 1, off, off, 0, {1, 0, off, off, off}},
-    {all, on, on, on, 24, 10, 60, 2, on, off, 1, {2, 1, on, on, off, on, off}},
-    {all, on, on, on, 24, 10, 0, 4, on, on, 2, {3, 3, on, on, on, on, on}},
+    {four, off, off, off, 0, 0, 0, 0, off, on, 0, {}, {}},
+    {seven, on, off, on, 0, 0, 0, 0, off, on, 0, {}, {}},
+    {seven, on, on, on, 8, 4, 24, 1, off, off, 0, quick_search, quick_search},
+    {all, on, on, on, 24, 10, 60, 2, on, off, 1, usual_search, small_search},
+    {all, on, on, on, 24, 10, 0, 4, on, on, 2, careful_search, careful_search},
 }};
 // If a tool switch adds copies to an effort that has none.
 constexpr DisplacementRange usual_range{8, 4};
 
 } // namespace
 
-EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
+EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools, bool is_small_picture) {
     const EffortRow& level = effort_rows[effort];
     const bool level_copies = level.rounds > 0;
     const bool copies = tools.is_on(CodingTool::copies, level_copies);
@@ -76,13 +80,16 @@ EffortSettings EffortSettings::of(int effort, const ToolSwitches& tools) {
     settings.try_smooth = copies && tools.is_on(CodingTool::smooth, level_copies);
     settings.try_base = copies && tools.is_on(CodingTool::base, level.rounds > 1);
     if (copies)
-        settings.pictures = level_copies ? level.pictures : PictureSearch{1, 0, off, off, off};
+        settings.pictures = !level_copies      ? quick_search
+                            : is_small_picture ? level.small_pictures
+                                               : level.pictures;
     PictureSearch& pictures = settings.pictures;
     pictures.borders = tools.is_on(CodingTool::borders, true);
     pictures.planar = tools.is_on(CodingTool::planar, true);
     pictures.directions = tools.is_on(CodingTool::directions, true);
     pictures.halves = tools.is_on(CodingTool::picture_splits, pictures.halves);
     pictures.quarters = tools.is_on(CodingTool::picture_splits, pictures.quarters);
+    pictures.crossed_halves = tools.is_on(CodingTool::picture_splits, pictures.crossed_halves);
     if (!tools.is_on(CodingTool::sines, pictures.transform_modes > 0))
         pictures.transform_modes = 0;
     else
@@ -104,7 +111,7 @@ PictureSearch EffortSettings::quick_pictures() const {
     PictureSearch quick = pictures;
     quick.coded_modes = std::min(quick.coded_modes, 1);
     quick.transform_modes = 0;
-    quick.halves = quick.quarters = false;
+    quick.halves = quick.quarters = quick.crossed_halves = false;
     return quick;
 }
 

@@ -14,12 +14,13 @@ struct PictureSearch {
     int transform_modes = 0;   // the cheapest of these, which are also coded with sines
     bool no_transform = false; // ... and without a transform along one axis or both
     bool halves = false;       // blocks may be halves of squares,
-    bool quarters = false;     // ... and quarters, or halves of these
-    bool plane_trees = false;  // each of two planes may have a tree of its own,
-    bool careful_trees = false; // ... if that is cheaper with directions, too
-    bool borders = true;        // blocks are predicted from their borders
-    bool planar = true;         // ... as a plane,
-    bool directions = true;     // ... along a direction, and always as their mean
+    bool quarters = false;     // ... and quarters along one side,
+    bool crossed_halves = false; // ... and halves of halves along the other side
+    bool plane_trees = false;    // each of two planes may have a tree of its own,
+    bool careful_trees = false;  // ... if that is cheaper with directions, too
+    bool borders = true;         // blocks are predicted from their borders
+    bool planar = true;          // ... as a plane,
+    bool directions = true;      // ... along a direction, and always as their mean
 };
 
 struct EffortSettings {
@@ -48,7 +49,8 @@ struct EffortSettings {
     PictureSearch quick_pictures() const;
 
     // Precondition: effort is 0..most_effort (codec/encoder.h).
-    static EffortSettings of(int effort, const ToolSwitches& tools = {});
+    static EffortSettings of(int effort, const ToolSwitches& tools = {},
+                             bool is_small_picture = false);
     // For passes over a sample, which choose tables and tools for the file and refine nothing.
     EffortSettings for_samples() const;
 };

@@ -70,13 +70,15 @@ PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom fre
     const bool can_halve_u = n[0] >= 2 * smallest_side, can_halve_v = n[1] >= 2 * smallest_side;
     if (!best.levels.nonzeros.empty() && freedom != Freedom::none) {
         const bool is_whole = freedom == Freedom::all;
-        const Freedom of_halves = is_whole && options.quarters ? Freedom::one_side : Freedom::none;
+        const auto attempt_halves = [&](Split split) {
+            attempt(split, is_whole ? freedom_of_halves(split) : Freedom::none);
+        };
         if (is_whole && can_halve_u && can_halve_v)
             attempt(Split::spatial, Freedom::all);
-        if (options.halves && can_halve_u)
-            attempt(Split::u, of_halves);
-        if (options.halves && can_halve_v)
-            attempt(Split::v, of_halves);
+        if (options.halves && can_halve_u && freedom != Freedom::v)
+            attempt_halves(Split::u);
+        if (options.halves && can_halve_v && freedom != Freedom::u)
+            attempt_halves(Split::v);
     }
     if (best.cost >= limit)
         return best;
@@ -84,6 +86,14 @@ PictureEncoder::Node PictureEncoder::encode_node(const Block& block, Freedom fre
     for (std::size_t i = 0; i < best.levels.blocks.size(); ++i)
         reconstruct_block(best.levels, i, coding_, scratch_, decoded_, search_.fineness());
     return best;
+}
+
+PictureEncoder::Freedom PictureEncoder::freedom_of_halves(Split split) const {
+    if (!pictures_.quarters)
+        return Freedom::none;
+    if (pictures_.crossed_halves)
+        return Freedom::u_or_v;
+    return split == Split::u ? Freedom::u : Freedom::v;
 }
 
 PictureEncoder::Node PictureEncoder::encode_whole(const Block& block) {

@@ -36,9 +36,10 @@ private:
         TileLevels levels;
         Memory after;
     };
-    // How a node may be split further: halves of halves are quarters, which stay whole.
-    enum class Freedom { none, one_side, all };
+    // How a node may be split further: halves of halves stay whole.
+    enum class Freedom { none, u, v, u_or_v, all };
 
+    Freedom freedom_of_halves(Split split) const;
     Node encode_node(const Block& block, Freedom freedom, float limit);
     Node encode_whole(const Block& block);
     void offer(const Block& block, const BlockPrediction& prediction,

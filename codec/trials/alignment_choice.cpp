@@ -20,6 +20,11 @@ constexpr Extent4 patch_extent{64, 64, 3, 3};
 constexpr std::uint64_t most_patches = 16;
 constexpr std::size_t patches_of_order = 4; // that decide whether views look transposed
 constexpr std::uint64_t parts_of_trial = 12;
+// Aligned views need more tiles, which parts of equal size do not show. So textures of so few tiles
+// with base pictures are compared as a whole.
+constexpr std::uint64_t most_tiles_of_whole = 16;
+constexpr std::uint8_t margin_of_trial = 4;  // texels, of base pictures
+constexpr double least_gain_of_whole = 0.01; // aligned views take more time
 constexpr int block_side = 8, farthest = 16; // texels; of parallax from one view to the next
 // An alignment must reduce the motion, weighted by detail, to this share. The edges of the views,
 // which it moves across tiles, cost a part of the gain.
@@ -159,30 +164,92 @@ bool may_be_aligned(const EncodePlan& plan) {
             desc.box_bytes(Box4::whole(desc.size)) <= plan.options.slab_bytes / 2);
 }
 
-// The cost of parts of the texture per texel that matters. `boxes` are of the texture; in aligned
+// The plan, without its tiles, for views that are moved so.
+EncodePlan plan_for(const EncodePlan& plan, const AlignedViews& views) {
+    EncodePlan of_views = plan;
+    of_views.views = views;
+    of_views.colour.desc.size = views.grid_size();
+    return of_views;
+}
+
+// `boxes` are of the grid of these views.
+Result<Sample> read_boxes(const EncodePlan& plan, TexelSource& source, const AlignedViews& views,
+                          const std::vector<Box4>& boxes) {
+    const auto texels = texels_in_grid(source, views), mask = mask_of_grid(plan.mask, views);
+    Sample sample;
+    for (const Box4& box : boxes) {
+        TESSERA_TRY_ASSIGN(TileTexels tile, read_finite(*texels, mask.get(), box));
+        sample.boxes.push_back(box);
+        sample.tiles.push_back(std::move(tile));
+    }
+    return sample;
+}
+
+// The cost of the sample per texel that matters.
+Result<double> cost_of(const EncodePlan& plan, const Sample& sample, const BasePictures& base) {
+    const EncodePlan trial =
+        plan_of_trial(plan, sample, std::min(plan.options.effort, quick_effort_of_trial));
+    CodingParameters parameters = parameters_of_trial(trial);
+    parameters.base = base;
+    TESSERA_TRY_ASSIGN(const PassResult pass, run_pass(trial, parameters, sample));
+    return lagrangian_cost(trial, pass) / static_cast<double>(sample.texels_that_matter());
+}
+
+// The cost of parts of the texture, without base pictures. `boxes` are of the texture; in aligned
 // views they move with the middle of their views.
 Result<double> cost_of_parts(const EncodePlan& plan, TexelSource& source, const AlignedViews& views,
-                             const std::vector<Box4>& boxes) {
-    const auto texels = texels_in_grid(source, views), mask = mask_of_grid(plan.mask, views);
-    EncodePlan cut = plan;
-    cut.views = views;
-    cut.colour.desc.size = views.grid_size();
-    Sample sample;
-    for (Box4 box : boxes) {
+                             std::vector<Box4> boxes) {
+    for (Box4& box : boxes) {
         const std::uint32_t u = views.shift_u((box.begin[axis_s] + box.end[axis_s] - 1) / 2);
         const std::uint32_t v = views.shift_v((box.begin[axis_t] + box.end[axis_t] - 1) / 2);
         for (std::uint32_t* corner : {box.begin.data(), box.end.data()}) {
             corner[axis_u] += u;
             corner[axis_v] += v;
         }
-        TESSERA_TRY_ASSIGN(TileTexels tile, read_finite(*texels, mask.get(), box));
-        sample.boxes.push_back(box);
-        sample.tiles.push_back(std::move(tile));
     }
-    const EncodePlan trial =
-        plan_of_trial(cut, sample, std::min(plan.options.effort, quick_effort_of_trial));
-    TESSERA_TRY_ASSIGN(const PassResult pass, run_pass(trial, parameters_of_trial(trial), sample));
-    return lagrangian_cost(trial, pass) / static_cast<double>(sample.texels_that_matter());
+    TESSERA_TRY_ASSIGN(const Sample sample, read_boxes(plan, source, views, boxes));
+    return cost_of(plan_for(plan, views), sample, {});
+}
+
+TileGrid grid_of_large_tiles(const AlignedViews& views) {
+    const Extent4 size = views.grid_size();
+    return {size, large_tile(size)};
+}
+
+// All of the texture in large tiles, in green.
+struct WholeTexture {
+    Sample sample;
+    EncodePlan plan;
+};
+
+Result<WholeTexture> read_whole(const EncodePlan& plan, TexelSource& source,
+                                const AlignedViews& views) {
+    const TileGrid grid = grid_of_large_tiles(views);
+    std::vector<Box4> boxes;
+    for (std::uint64_t tile = 0; tile < grid.tiles(); ++tile)
+        boxes.push_back(grid.box(tile));
+    TESSERA_TRY_ASSIGN(Sample sample, read_boxes(plan, source, views, boxes));
+    EncodePlan green = keep_green(plan_for(plan, views), sample);
+    return WholeTexture{.sample = std::move(sample), .plan = std::move(green)};
+}
+
+// Whether the whole texture costs less with the alignment, with base pictures in both cases. Those
+// of views that stand still need a margin more often.
+Result<bool> alignment_pays_on_whole(const EncodePlan& plan, TexelSource& source,
+                                     const AlignedViews& still, const AlignedViews& moved,
+                                     BasePictures base) {
+    TESSERA_TRY_ASSIGN(const WholeTexture aligned, read_whole(plan, source, moved));
+    TESSERA_TRY_ASSIGN(const double aligned_cost, cost_of(aligned.plan, aligned.sample, base));
+    const auto is_less = [&](double plain_cost) {
+        return aligned_cost < (1 - least_gain_of_whole) * plain_cost;
+    };
+    TESSERA_TRY_ASSIGN(const WholeTexture plain, read_whole(plan, source, still));
+    TESSERA_TRY_ASSIGN(const double narrow, cost_of(plain.plan, plain.sample, base));
+    if (!is_less(narrow))
+        return false;
+    base.margin = margin_of_trial;
+    TESSERA_TRY_ASSIGN(const double wide, cost_of(plain.plan, plain.sample, base));
+    return is_less(wide);
 }
 
 } // namespace
@@ -210,9 +277,14 @@ Result<ViewMotion> motion_between_views(const EncodePlan& plan) {
     return motion;
 }
 
-Result<bool> alignment_pays(const EncodePlan& plan, TexelSource& source, ViewAlignment alignment) {
+Result<bool> alignment_pays(const EncodePlan& plan, TexelSource& source, const ViewMotion& motion) {
     const Extent4& size = plan.colour.desc.size;
     const Extent4& tile = plan.options.tile_extent;
+    const AlignedViews still(size, {}), moved(size, motion.alignment);
+    TESSERA_TRY(source.begin_slab(Box4::whole(size)));
+    if (motion.parallax.on && tile == tile_by_trial &&
+        grid_of_large_tiles(still).tiles() <= most_tiles_of_whole)
+        return alignment_pays_on_whole(plan, source, still, moved, motion.parallax);
     const TileShapes shapes =
         tile == tile_by_trial ? tile_shapes(size, plan.options) : TileShapes{{tile}, 0};
     const TileGrid grid(size, shapes.tiles[shapes.usual]);
@@ -220,11 +292,8 @@ Result<bool> alignment_pays(const EncodePlan& plan, TexelSource& source, ViewAli
     const std::uint64_t tiles = grid.tiles();
     for (std::uint64_t i = 0; i < std::min(parts_of_trial, tiles); ++i)
         boxes.push_back(grid.box(tiles <= parts_of_trial ? i : golden_pick(i, tiles)));
-    TESSERA_TRY(source.begin_slab(Box4::whole(size)));
-    TESSERA_TRY_ASSIGN(const double aligned,
-                       cost_of_parts(plan, source, AlignedViews(size, alignment), boxes));
-    TESSERA_TRY_ASSIGN(const double plain,
-                       cost_of_parts(plan, source, AlignedViews(size, {}), boxes));
+    TESSERA_TRY_ASSIGN(const double aligned, cost_of_parts(plan, source, moved, boxes));
+    TESSERA_TRY_ASSIGN(const double plain, cost_of_parts(plan, source, still, boxes));
     return aligned < plain;
 }
 

@@ -18,8 +18,8 @@ struct ViewMotion {
 // would have to be held), and where views move nearly as much with it. Errors: those of the source.
 Result<ViewMotion> motion_between_views(const EncodePlan& plan);
 
-// Whether parts of the texture cost less with the alignment, at a quick effort. `source` has the
-// plan's texels in any order.
-Result<bool> alignment_pays(const EncodePlan& plan, TexelSource& source, ViewAlignment alignment);
+// Whether the texture, or parts of it, costs less with the alignment, at a quick effort. `source`
+// has the plan's texels in any order.
+Result<bool> alignment_pays(const EncodePlan& plan, TexelSource& source, const ViewMotion& motion);
 
 } // namespace tessera

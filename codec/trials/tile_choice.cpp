@@ -82,27 +82,6 @@ Result<Sample> read_patches(const EncodePlan& plan, const Extent4& extent) {
     return patches;
 }
 
-// Reduces patches with colours to their green channel and returns the plan for it. Shapes of tiles
-// compare by green as they do by all channels, in a third of the time.
-EncodePlan keep_green(const EncodePlan& plan, Sample& patches) {
-    EncodePlan green = plan;
-    TextureDesc& desc = green.colour.desc;
-    if (desc.channels < 3)
-        return green;
-    const std::size_t bytes = sample_bytes(desc.type), texel_bytes = desc.texel_bytes();
-    for (TileTexels& patch : patches.tiles) {
-        std::vector<std::byte>& texels = patch.texels;
-        std::size_t to = 0;
-        for (std::size_t from = bytes; from < texels.size(); from += texel_bytes)
-            for (std::size_t i = 0; i < bytes; ++i)
-                texels[to++] = texels[from + i];
-        texels.resize(to);
-    }
-    desc.channels = 1;
-    green.colour.transform = ColourTransform::none;
-    return green;
-}
-
 // Cuts the patches into tiles of at most an extent, which it adds to `tiles`.
 void cut_into_tiles(const Sample& patches, const Extent4& tile_extent, const TextureDesc& desc,
                     Sample& tiles) {

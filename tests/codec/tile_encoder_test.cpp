@@ -105,6 +105,19 @@ TEST(TileEncoder, EarlyRoundsSearchBasePicturesQuickly) {
     EXPECT_EQ(EffortSettings::of(0).quick_pictures().coded_modes, 0);
 }
 
+TEST(TileEncoder, SearchesSmallPicturesMoreCarefullyAtTheDefaultEffort) {
+    EXPECT_FALSE(EffortSettings::of(3).pictures.quarters);
+    const PictureSearch small = EffortSettings::of(3, {}, true).pictures;
+    EXPECT_TRUE(small.quarters);
+    EXPECT_FALSE(small.crossed_halves);
+    EXPECT_EQ(EffortSettings::of(2, {}, true).pictures.halves,
+              EffortSettings::of(2).pictures.halves);
+
+    ToolSwitches no_splits;
+    no_splits.set(CodingTool::picture_splits, false);
+    EXPECT_FALSE(EffortSettings::of(3, no_splits, true).pictures.quarters);
+}
+
 // A block without luma has no symbol for its transform, so it must have cosines.
 TEST(TileEncoder, PicturesHaveSinesWhereADecoderKnowsIt) {
     constexpr BlockShape shape{{64, 48, 1, 1}};
