@@ -141,13 +141,13 @@ TEST(LayeredRenderer, EnvironmentReplacesLightsWithSpread) {
                                            {{0, 0, 1}, 0.0f, {0, 0.001f, 0}}};
     auto diffuse = picture(3, [](int, int) { return 0.0; });
     auto specular = picture(3, [](int, int) { return 1.0; });
-    auto roughness = picture(1, [](int, int) { return 0.1; });
+    auto roughness = picture(1, [](int, int) { return 25.0 / 255.0; });
     test::MemoryTexture visibility({{32, 16, 2, 1}, SampleType::unorm8, 1},
                                    [](int, int, int s, int, int) { return s == 0 ? 0.6 : 1.0; });
-    // The lobe for 0.1 is between the second and the third of four.
+    // The lobe for 25 / 255 is between the first and the second of four.
     test::MemoryTexture environment(
         {{4, 1, 8, 8}, SampleType::unorm8, 3},
-        [](int u, int, int, int, int c) { return u >= 1 && c == 0 ? 0.4 : 0.0; });
+        [](int u, int, int, int, int c) { return u <= 1 && c == 0 ? 0.4 : 0.0; });
     const std::vector<DrawnLayer> layers{
         {LayerRole::diffuse, 1.0, &diffuse, tile, Transfer::srgb},
         {LayerRole::specular, 1.0, &specular, tile, Transfer::srgb},
@@ -157,7 +157,7 @@ TEST(LayeredRenderer, EnvironmentReplacesLightsWithSpread) {
     const glm::dvec3 seen = seen_at(*renderer_of(layers, lights), 0.0);
     Reflectance mirror;
     mirror.specular = glm::dvec3(1.0);
-    mirror.roughness = 26.0 / 255.0;
+    mirror.roughness = 25.0 / 255.0;
     const auto displayed = [](double x) { return 1.055 * std::pow(x, 1 / 2.4) - 0.055; };
     const double share = 0.6 * mirror.of_reflection().x * 3.0 * 0.4 * 0.4;
     EXPECT_NEAR(seen.x, displayed(share), 2e-3);

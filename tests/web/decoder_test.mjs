@@ -250,12 +250,12 @@ const tests = {
 
     async layersAreTexturesOfTheirOwn() {
         const bytes = fs.readFileSync(lit), cut = cutLayers(bytes), file = codec.openBytes(bytes);
-        const {specular, roughness, normal, visibility, reflection} = LAYER_ROLE;
+        const {specular, roughness, normal, visibility, reflection, environment} = LAYER_ROLE;
         const {scale, further, lights} = file.layers();
         assert(scale > 0);
-        assert.deepEqual(further.map(({role}) => role), [specular, roughness, normal, visibility, reflection]);
+        assert.deepEqual(further.map(({role}) => role), [specular, roughness, normal, visibility, reflection, environment]);
         assert.deepEqual(further.map(({role, scale}) => [role, scale]), cut.map(({role, scale}) => [role, scale]));
-        assert.deepEqual(further.map(({file}) => file.info.channels), [3, 1, 2, 1, 3]);
+        assert.deepEqual(further.map(({file}) => file.info.channels), [3, 1, 2, 1, 3, 3]);
         assert.equal(lights.length, 8);
         for (const {direction, spread, irradiance} of lights)
             assert(Math.abs(Math.hypot(...direction) - 1) < 1e-6 && spread >= 0 && irradiance.some(x => x > 0));

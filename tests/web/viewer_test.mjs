@@ -126,16 +126,16 @@ const tests = {
             const {psnr} = compared(picture, rendered('lit.tess', pose, '400x300'));
             console.log(`layers ${JSON.stringify(pose)}: ${psnr.toFixed(1)} dB`);
             assert(hasContent(picture) && psnr > 40, `${psnr} dB`);
-            assert.equal(await browser.evaluate('Object.keys(tessera.layers.loaded).length'), 5);
+            assert.equal(await browser.evaluate('Object.keys(tessera.layers.loaded).length'), 6);
         }
         const page = readFileSync(inFolder('lit.html'), 'latin1'), file = readFileSync(inFolder('lit.tess'));
         const withFile = (name, bytes) => writeFileSync(
             inFolder(name), page.replace(/id="file">[^<]*/, `id="file">${bytes.toString('base64')}`), 'latin1');
-        file[file.length - 20] ^= 1; // in the data of the last layer, reflection
+        file[file.length - 20] ^= 1; // in the data of the last layer, environment
         withFile('damaged.html', file);
         await browser.open(`file://${inFolder('damaged.html')}${hash(views[0])}`);
         assert(hasContent(await browser.picture()));
-        assert.match(await browser.note(), /^The reflection layer cannot be shown: .*checksum/);
+        assert.match(await browser.note(), /^The environment layer cannot be shown: .*checksum/);
         await browser.open(`file://${inFolder('lit.html')}${hash(views[0]).replace('#', '#cache=0.3&')}`);
         assert(hasContent(await browser.picture()));
         assert.match(await browser.note(), /^The roughness layer cannot be shown: .* 314.6 kB of GPU memory/);
