@@ -222,7 +222,8 @@ NearestLobes::NearestLobes(const ModelLight& light) : environment_(light.environ
     exposure_ = white / mean_light(*environment_);
 }
 
-// Lobes of textured materials are rounded, so that few of them need a fit.
+// Lobes of textured materials are rounded in coarse steps, and the base to grey, so that few need a fit,
+// even of noise. The slopes make up for most of what that changes.
 Lobes NearestLobes::rounded(const Lobes& lobes, Key& key) {
     std::size_t next = 0;
     const auto round = [&](double& x, double steps) {
@@ -232,32 +233,41 @@ Lobes NearestLobes::rounded(const Lobes& lobes, Key& key) {
     };
     const auto round_alpha = [&](double& alpha) {
         double roughness = std::sqrt(alpha);
-        round(roughness, 48.0);
+        round(roughness, 10.0);
         alpha = std::max(roughness * roughness, 1e-6);
     };
-    const auto round_colour = [&](glm::dvec3& colour, double steps) {
-        for (glm::length_t c = 0; c < 3; ++c) {
-            double root = std::sqrt(colour[c]);
-            round(root, steps);
-            colour[c] = root * root;
-        }
+    const auto round_root = [&](double& x, double steps) {
+        double root = std::sqrt(x);
+        round(root, steps);
+        x = root * root;
+    };
+    const auto round_grey = [&](glm::dvec3& colour, double steps) {
+        double grey = (colour.x + colour.y + colour.z) / 3.0;
+        round_root(grey, steps);
+        colour = glm::dvec3(grey);
     };
     key = {};
     Lobes out = lobes;
     Coats& coats = out.coats;
-    round_colour(out.diffuse, 4.0);
-    round_colour(out.facing, 10.0);
+    round_grey(out.diffuse, 4.0);
+    round_grey(out.facing, 5.0);
     round(out.grazing, 4.0);
     round_alpha(out.alpha);
-    round(coats.clear, 8.0);
+    round(coats.clear, 4.0);
     round_alpha(coats.clear_alpha);
-    round_colour(coats.sheen, 6.0);
+    for (glm::length_t c = 0; c < 3; ++c)
+        round_root(coats.sheen[c], 6.0);
     round_alpha(coats.sheen_alpha);
     if (coats.along_alpha > 0.0)
         round_alpha(coats.along_alpha);
-    round(coats.film, 8.0);
-    round(coats.film_nanometres, 1.0 / 16.0);
+    round(coats.film, 4.0);
+    round(coats.film_nanometres, 1.0 / 32.0);
     return out;
+}
+
+std::size_t NearestLobes::fits() const {
+    const std::scoped_lock lock(mutex_);
+    return fits_.size();
 }
 
 NearestLobes::Fit NearestLobes::fit(const Lobes& lobes) const {

@@ -27,6 +27,9 @@ public:
 
     // The nearest lobes without coats. Nothing passes.
     Lobes operator()(const Lobes& lobes) const;
+    // How many fits that took. Each takes some hundredths of a second, so pictures of noise must not
+    // need one for each texel.
+    std::size_t fits() const;
 
 private:
     enum class Source : std::uint8_t { fixed, base, clear };
@@ -38,7 +41,7 @@ private:
         Source source = Source::fixed; // where the roughness comes from
         double error = 0.0;
     };
-    using Key = std::array<std::int16_t, 18>;
+    using Key = std::array<std::int16_t, 13>;
 
     static Lobes rounded(const Lobes& lobes, Key& key);
     Fit fit(const Lobes& lobes) const;

@@ -3,6 +3,8 @@
 
 #include "tests/support/traced_squares.h"
 
+#include <random>
+
 namespace tessera::corpus {
 namespace {
 
@@ -48,6 +50,23 @@ TEST(NearestLobes, ColouredMetalKeepsItsColourBelowACoat) {
     const Lobes found = nearest(lobes);
     EXPECT_GT(found.facing.x, 0.4);
     EXPECT_LT(found.facing.y, 0.15);
+}
+
+// Each texel of such a material has lobes of its own. Their number of fits decides about the time.
+TEST(NearestLobes, PicturesOfNoiseNeedFewFits) {
+    const NearestLobes nearest = in_studio();
+    std::mt19937 engine(7);
+    std::uniform_real_distribution<double> unit;
+    Lobes lobes = rough_paint();
+    lobes.diffuse = glm::dvec3(0.0);
+    lobes.coats.clear = 1.0;
+    lobes.coats.clear_alpha = 0.01;
+    for (int i = 0; i < 300; ++i) {
+        lobes.facing = {unit(engine), unit(engine), unit(engine)};
+        lobes.alpha = unit(engine);
+        nearest(lobes);
+    }
+    EXPECT_LE(nearest.fits(), 40u);
 }
 
 // Lamps light some models alone.
