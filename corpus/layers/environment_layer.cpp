@@ -151,8 +151,10 @@ std::vector<double> environment_lobes(std::span<const LayerTexture> material) {
     }
     if (!(sharp > least_share * all))
         return {};
-    std::vector<double> lobes{first_lobe};
     constexpr double rounded = 0.95; // roughness has 8 bits
+    if (rounded * most <= first_lobe)
+        return {most}; // a single lobe may be sharper than the first of several
+    std::vector<double> lobes{first_lobe};
     while (lobes.back() < rounded * most)
         lobes.push_back(2.0 * lobes.back());
     // Those that nobody sees cost least if they are as others.

@@ -384,6 +384,10 @@ TEST(ModelLayers, SmoothSurfacesMirrorTheEnvironment) {
     std::vector<LayerTexture> material{specular, roughness};
     EXPECT_EQ(environment_lobes(material), (std::vector<double>{0.05, 0.1, 0.2}));
     EXPECT_TRUE(environment_lobes(std::span(material).first(1)).empty());
+    // A single lobe is as sharp as a mirror.
+    for (std::size_t i = 0; i < 3; ++i)
+        store_values(material[1], i, {0.0});
+    EXPECT_EQ(environment_lobes(material), (std::vector<double>{0.0}));
     // Sharp lobes that nobody sees are as others.
     for (std::size_t i = 0; i < 3; ++i)
         store_values(material[1], i, {0.3});

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double usual_layer_quality = 58;
 constexpr double least_quality = 1, most_quality = 100;
-constexpr int size_steps = 7, psnr_steps = 8; // of the searches
+constexpr int size_steps = 7, most_size_steps = 12, psnr_steps = 8; // of the searches
 
 // The quality of a layer, so that all layers save about the same error per byte (FlightHelmet).
 double quality_of(LayerRole role, double quality) {
@@ -117,7 +117,7 @@ std::optional<double> next_quality(const std::optional<TriedSize>& fits,
 // The best quality with which the file has at most so many bytes, to half a per cent of them.
 Result<CodedLayers> encode_in(const corpus::ModelLayers& baked, const EncodeOptions& options,
                               std::uint64_t most_bytes, const std::string& option) {
-    constexpr double close_enough = 0.995;
+    constexpr double close_enough = 0.995, too_small = 0.9;
     const auto most = static_cast<double>(most_bytes);
     const auto log_of = [&](double bytes) { // the mesh does not depend on the quality
         return std::log(std::max(bytes - static_cast<double>(baked.mesh.size()), 1.0));
@@ -126,7 +126,14 @@ Result<CodedLayers> encode_in(const corpus::ModelLayers& baked, const EncodeOpti
     std::optional<CodedLayers> best;
     std::optional<TriedSize> fits, exceeds;
     std::optional<double> quality = usual_layer_quality;
-    for (int i = 0; i < size_steps && quality; ++i) {
+    bool was_small = false;
+    int in_a_row = 0; // tries that were all too large, or all not
+    const auto goes_on = [&](int i) {
+        return i < size_steps ||
+               (i < most_size_steps &&
+                (!best || static_cast<double>(best->file.size()) < too_small * most));
+    };
+    for (int i = 0; quality && goes_on(i); ++i) {
         TESSERA_TRY_ASSIGN(CodedLayers tried, encode_at(baked, options, {*quality}));
         const auto bytes = static_cast<double>(tried.file.size());
         const bool is_small = bytes <= most;
@@ -136,6 +143,12 @@ Result<CodedLayers> encode_in(const corpus::ModelLayers& baked, const EncodeOpti
         if ((is_small && (bytes >= close_enough * most || *quality == most_quality)) ||
             (!is_small && *quality == least_quality))
             break;
+        // Where the logarithm is curved, secants come near from one side, ever more slowly. The
+        // Illinois method halves the value of the other side.
+        in_a_row = is_small == was_small ? in_a_row + 1 : 1;
+        was_small = is_small;
+        if (auto& other = is_small ? exceeds : fits; other && in_a_row > 1)
+            other->log_bytes = 0.5 * (other->log_bytes + wanted);
         quality = next_quality(fits, exceeds, wanted);
     }
     if (best)
