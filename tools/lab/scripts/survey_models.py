@@ -227,9 +227,8 @@ def mirrored(g):
     g.node(m, translation=[1.2, 0, 0], scale=[-1, 1, 1])
 @kind
 def squashed(g): g.node(g.mesh(torus(), g.material()), scale=[1, 3, .4], rotation=[.38, 0, 0, .92])
-@kind
-def leaves(g):
-    m = g.material(colour=(1, 1, 1, 1), r=.6, picture=g.texture('leaf'), alphaMode='MASK', doubleSided=True)
+def add_leaves(g, **sides):
+    m = g.material(colour=(1, 1, 1, 1), r=.6, picture=g.texture('leaf'), alphaMode='MASK', **sides)
     q = []
     for i in range(12):
         a = i * 2 * np.pi / 12
@@ -239,16 +238,9 @@ def leaves(g):
     g.add(join(q), m)
     floor(g, y=-.3, s=2.5)
 @kind
-def leaves_once(g): # the same, seen from one side only
-    m = g.material(colour=(1, 1, 1, 1), r=.6, picture=g.texture('leaf'), alphaMode='MASK')
-    q = []
-    for i in range(12):
-        a = i * 2 * np.pi / 12
-        d = np.array((np.cos(a), .35 + .2 * (i % 3), np.sin(a)))
-        s = np.array((-np.sin(a), 0, np.cos(a))) * .6
-        q.append(quad(-s / 2, s, d))
-    g.add(join(q), m)
-    floor(g, y=-.3, s=2.5)
+def leaves(g): add_leaves(g, doubleSided=True)
+@kind
+def leaves_once(g): add_leaves(g) # seen from one side only
 @kind
 def cards_blend(g): # hair
     m = g.material(colour=(1, 1, 1, 1), r=.6, picture=g.texture('leaf'), alphaMode='BLEND', doubleSided=True)
