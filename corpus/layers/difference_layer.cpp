@@ -1,6 +1,7 @@
 #include "corpus/layers/difference_layer.h"
 
 #include "corpus/layers/material_layers.h"
+#include "corpus/layers/place_cells.h"
 #include "corpus/model/model.h"
 #include "corpus/trace/path_random.h"
 
@@ -20,13 +21,8 @@ struct CoatedCells {
     std::size_t coated = 0;
 };
 
-bool has_coat(const ModelPlaces& places, const PlaceLight& light, std::uint32_t u,
-              std::uint32_t v) {
-    return light.matters(u, v) && differs_by_coats(places.place(u, v, {0.0, 0.0}).point.lobes);
-}
-
 CoatedCells cells_of(const std::vector<bool>& coated, const Texels2& all, std::uint32_t step) {
-    CoatedCells cells{step, {(all[0] + step - 1) / step, (all[1] + step - 1) / step}};
+    CoatedCells cells{step, cells_of_places(all, step)};
     std::vector<bool> any(std::size_t{cells.size[0]} * cells.size[1], false);
     for (std::uint32_t v = 0; v < all[1]; ++v)
         for (std::uint32_t u = 0; u < all[0]; ++u)
@@ -52,9 +48,7 @@ public:
         : tracer_(tracer), seed_(seed), exposure_(exposure) {
         for (unsigned i = 0; i < samples; ++i) {
             PathRandom random(seed, i);
-            const double which = random.next() * static_cast<double>(texels.size());
-            const Texels2& texel =
-                texels[std::min(static_cast<std::size_t>(which), texels.size() - 1)];
+            const Texels2& texel = chosen_place(texels, random.next());
             CellPlace place;
             const glm::dvec2 offset = light.open().offset(texel[0], texel[1], random.next2());
             place.at = places.place(texel[0], texel[1], offset);
@@ -80,12 +74,7 @@ public:
         glm::dvec3 all(0.0), layers(0.0);
         for (std::size_t i = 0; i < places_.size(); ++i) {
             const CellPlace& place = places_[i];
-            const glm::dvec3 n = place.at.frame.ez;
-            glm::dvec3 view =
-                octahedral_direction(AngularMap::octahedral_mirrored, place.at.frame, s, t);
-            view -= 2.0 * std::min(glm::dot(view, n), 0.0) * n;
-            constexpr double least = 0.02;
-            view = glm::normalize(view + std::max(least - glm::dot(view, n), 0.0) * n);
+            const glm::dvec3 view = mirrored_view(place.at.frame, s, t);
             const LitPoint point = Tracer::facing(place.at.point, view);
             PathRandom random(mix_bits(seed_), static_cast<std::uint32_t>(i)), same = random;
             all += place.diffuse * below_coats(point, view) + place.at.point.emission +
@@ -138,16 +127,23 @@ bake_difference_layer(const ModelPlaces& places, const PlaceLight& light, const 
                       const BakeRun& run) {
     constexpr std::uint32_t least_step = 4;
     constexpr std::size_t most_cells = 1024;
+    // Most models have none, and their places need no look.
+    if (std::ranges::none_of(places.model()->model().materials,
+                             [](const ModelMaterial& m) { return m.coats.has_value(); }))
+        return std::optional<LayerTexture>();
     const Texels2 all = places.texel_places().size();
     std::vector<bool> coated(places.texels(), false);
     bool passes = false;
     for (std::uint32_t v = 0; v < all[1]; ++v)
-        for (std::uint32_t u = 0; u < all[0]; ++u)
-            if (has_coat(places, light, u, v)) {
-                coated[std::size_t{v} * all[0] + u] = true;
-                passes = passes || places.place(u, v, {0.0, 0.0}).point.lobes.coats.through !=
-                                       glm::dvec3(0.0);
-            }
+        for (std::uint32_t u = 0; u < all[0]; ++u) {
+            if (!light.matters(u, v))
+                continue;
+            const Lobes lobes = places.place(u, v, {0.0, 0.0}).point.lobes;
+            if (!differs_by_coats(lobes))
+                continue;
+            coated[std::size_t{v} * all[0] + u] = true;
+            passes = passes || lobes.coats.through != glm::dvec3(0.0);
+        }
     CoatedCells cells = cells_of(coated, all, least_step);
     if (cells.coated == 0)
         return std::optional<LayerTexture>();
@@ -157,21 +153,15 @@ bake_difference_layer(const ModelPlaces& places, const PlaceLight& light, const 
     const auto samples = static_cast<unsigned>(std::clamp<double>(
         static_cast<double>(options.paths) / static_cast<double>(cells.coated * side * side), 8.0,
         64.0));
-    const Extent4 whole{cells.size[0], cells.size[1], side, side};
-    LayerTexture texture = make_layer(LayerRole::difference, whole, 3);
-    texture.mask_desc.size = {cells.size[0], cells.size[1], 1, 1};
-    texture.mask.assign(texel_count(texture.mask_desc.size), std::byte{0});
-    texture.tile = {16, 16, side, side};
-    LightTexels values(texel_count(whole), glm::vec3(0.0f));
+    LayerTexture texture = make_cell_layer(LayerRole::difference, cells.size, {side, side});
+    LightTexels values(texel_count(texture.desc.size), glm::vec3(0.0f));
     std::vector<double> squares(cells.size[1], 0.0);
     TESSERA_TRY(for_rows("baking coats", cells.size[1], run, [&](std::uint32_t v) {
         for (std::uint32_t u = 0; u < cells.size[0]; ++u) {
-            std::vector<Texels2> texels;
-            for (std::uint32_t y = v * cells.step; y < std::min((v + 1) * cells.step, all[1]); ++y)
-                for (std::uint32_t x = u * cells.step; x < std::min((u + 1) * cells.step, all[0]);
-                     ++x)
-                    if (coated[std::size_t{y} * all[0] + x])
-                        texels.push_back({x, y});
+            const std::vector<Texels2> texels =
+                places_of_cell(u, v, cells.step, all, [&](std::uint32_t x, std::uint32_t y) {
+                    return coated[std::size_t{y} * all[0] + x];
+                });
             if (texels.empty())
                 continue;
             const std::size_t cell = std::size_t{v} * cells.size[0] + u;

@@ -13,7 +13,7 @@ struct EnvironmentLayerOptions {
 };
 
 // The roughnesses of the lobes that suit the layers of a material: none if few of the surfaces that
-// reflect are smooth, else those of FORMAT.md 5.6 up to the roughest of these.
+// reflect are smooth, one if they are almost mirrors, else those of FORMAT.md 5.6 up to the roughest.
 std::vector<double> environment_lobes(std::span<const LayerTexture> material);
 
 // The environment as lobes of each of these roughnesses see it, which become the texels along u.

@@ -1,5 +1,6 @@
 #include "corpus/layers/light_layers.h"
 
+#include "corpus/layers/place_cells.h"
 #include "corpus/layers/shown_visibility.h"
 #include "corpus/trace/path_random.h"
 #include "corpus/trace/reflection.h"
@@ -23,16 +24,9 @@ glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& 
     glm::dvec3 sum(0.0), weights(0.0);
     for (unsigned i = 0; i < options.samples; ++i) {
         PathRandom random(mix_bits(options.seed + reflection_paths), i);
-        const double which = random.next();
-        const Texels2& texel =
-            texels[std::min(static_cast<std::size_t>(which * static_cast<double>(texels.size())),
-                            texels.size() - 1)];
+        const Texels2& texel = chosen_place(texels, random.next());
         ModelSurfacePlace at = open.smooth_place(places, texel[0], texel[1], random.next2());
-        const glm::dvec3 n = at.frame.ez;
-        glm::dvec3 view = octahedral_direction(AngularMap::octahedral_mirrored, at.frame, s, t);
-        view -= 2.0 * std::min(glm::dot(view, n), 0.0) * n;
-        constexpr double least = 0.02;
-        view = glm::normalize(view + std::max(least - glm::dot(view, n), 0.0) * n);
+        const glm::dvec3 view = mirrored_view(at.frame, s, t);
         const Lobes lobes = nearest(at.point.lobes);
         at.point.lobes = {.facing = lobes.facing, .alpha = lobes.alpha, .grazing = lobes.grazing};
         at.point.opacity = 1.0;
@@ -98,21 +92,16 @@ Result<LayerTexture> bake_reflection_layer(const ModelPlaces& places, const Plac
                                            const ReflectionOptions& options, const BakeRun& run) {
     const std::uint32_t step = std::max(options.cell, 1u);
     const Texels2 all = places.texel_places().size();
-    const Texels2 size{(all[0] + step - 1) / step, (all[1] + step - 1) / step};
+    const Texels2 size = cells_of_places(all, step);
     const auto [columns, rows] = options.directions;
-    const Extent4 whole{size[0], size[1], columns, rows};
-    LayerTexture texture = make_layer(LayerRole::reflection, whole, 3);
-    texture.mask_desc.size = {size[0], size[1], 1, 1};
-    texture.mask.assign(texel_count(texture.mask_desc.size), std::byte{0});
-    texture.tile = {16, 16, std::min(columns, 32u), std::min(rows, 32u)};
-    LightTexels arriving(texel_count(whole), glm::vec3(0.0f));
+    LayerTexture texture = make_cell_layer(LayerRole::reflection, size, options.directions);
+    LightTexels arriving(texel_count(texture.desc.size), glm::vec3(0.0f));
     TESSERA_TRY(for_rows("baking reflections", size[1], run, [&](std::uint32_t v) {
         for (std::uint32_t u = 0; u < size[0]; ++u) {
-            std::vector<Texels2> texels;
-            for (std::uint32_t y = v * step; y < std::min((v + 1) * step, all[1]); ++y)
-                for (std::uint32_t x = u * step; x < std::min((u + 1) * step, all[0]); ++x)
-                    if (light.matters(x, y))
-                        texels.push_back({x, y});
+            const std::vector<Texels2> texels =
+                places_of_cell(u, v, step, all, [&](std::uint32_t x, std::uint32_t y) {
+                    return light.matters(x, y);
+                });
             if (texels.empty())
                 continue;
             const std::size_t cell = std::size_t{v} * size[0] + u;

@@ -9,10 +9,9 @@ namespace tessera::corpus {
 
 // `fine` has `finer` times as many texels as the places of `light`, along u and v. `exposure`
 // multiplies light. Light that passes a material joins emitted light, the same for all views; other
-// extensions become the nearest lobes. There is no layer of emission if nothing
-// emits or passes light, none of opacity if no material blends, and none of specular colour,
-// roughness and normals unless it mirrors_light(). The diffuse layer comes first. Errors: those of
-// for_rows().
+// extensions become the nearest lobes. There is no layer of emission if nothing emits or passes light,
+// none of opacity if no material blends, and none of specular colour, roughness and normals unless it
+// mirrors_light(). The diffuse layer comes first. Errors: those of for_rows().
 Result<std::vector<LayerTexture>>
 bake_material_layers(const ModelPlaces& fine, const PlaceLight& light, const Tracer& tracer,
                      const NearestLobes& nearest, std::uint32_t finer, double exposure,

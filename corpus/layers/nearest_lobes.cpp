@@ -223,7 +223,7 @@ NearestLobes::NearestLobes(const ModelLight& light) : environment_(light.environ
 }
 
 // Lobes of textured materials are rounded in coarse steps, and the base to grey, so that few need a fit,
-// even of noise. The slopes make up for most of what that changes.
+// even of noise. The slopes correct most of the rounding.
 Lobes NearestLobes::rounded(const Lobes& lobes, Key& key) {
     std::size_t next = 0;
     const auto round = [&](double& x, double steps) {

@@ -12,7 +12,7 @@ class ViewedScale {
 public:
     explicit ViewedScale(const Model& model);
 
-    // The radius of the ball around a place that holds a fixed share of what there is to see. It
+    // The radius of the ball around a place that holds a fixed share of the model's edges. It
     // differs between two places by at most their distance. Takes some microseconds.
     double radius_at(const glm::dvec3& place) const;
     // The density of texels that the place needs, relative to the finest one: 0..1.
