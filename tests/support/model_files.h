@@ -130,4 +130,31 @@ inline corpus::ModelLight white_light() {
     return {uniform_environment(1.0f), {}};
 }
 
+// A folder for model files.
+class ModelFiles : public testing::Test {
+protected:
+    std::string file(const std::string& name, const std::string& text) const {
+        return write_text((folder_ / name).string(), text);
+    }
+    Result<Model> load(const std::string& name, const std::string& text) const {
+        return load_model(file(name, text));
+    }
+    // Expects that the file is refused with this code and a message that contains its name and
+    // `words`.
+    void refuse(const std::string& name, const std::string& text, ErrorCode code,
+                const std::string& words) const {
+        const auto model = load(name, text);
+        ASSERT_FALSE(model.ok()) << words;
+        EXPECT_EQ(model.status().code(), code) << model.status().message();
+        EXPECT_NE(model.status().message().find(words), std::string::npos)
+            << model.status().message();
+        EXPECT_NE(model.status().message().find(name), std::string::npos)
+            << model.status().message();
+    }
+
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    std::filesystem::path folder_ = test::make_test_folder("models");
+};
+
 } // namespace tessera::corpus::support
