@@ -58,8 +58,8 @@ extern "C" {
 TESSERA_API uint32_t tessera_api_version(void);
 /* The version of the library, "major.minor.patch". The string is never freed. */
 TESSERA_API const char* tessera_version(void);
-/* The version of the file format that is written, which is also the only one that can be read.
- * Pointers may be null. */
+/* The version of the file format (FORMAT.md) that the library implements. Headers of files state an
+ * older minor version if that is enough to read them. Pointers may be null. */
 TESSERA_API void tessera_format_version(uint32_t* major, uint32_t* minor);
 
 typedef enum {

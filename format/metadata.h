@@ -18,9 +18,10 @@ namespace TESSERA_PUBLIC tessera {
 // Version of the library and the tools.
 inline constexpr const char* library_version = "0.1.0";
 
-// The version of FORMAT.md that is written, and the only one that is read.
+// The version of FORMAT.md that this library implements. Headers state the oldest minor version with
+// the same layout of the container, so that older readers refuse only what they do not know.
 inline constexpr std::uint16_t format_version_major = 0;
-inline constexpr std::uint16_t format_version_minor = 5;
+inline constexpr std::uint16_t format_version_minor = 7;
 
 // Keys (UTF-8, 1..255 bytes, no NUL) and their values (UTF-8, up to 1 MiB, no NUL), sorted by the
 // bytes of the keys.

@@ -106,15 +106,15 @@ Status OpenContainer::load_header(const OpenOptions& options, ContainerRule& rul
     rule = ContainerRule::version;
     header_ = tessera::load_header(std::span(head_).first<header_bytes>());
     if (header_.version_major != format_version_major ||
-        (header_.version_minor != format_version_minor &&
-         header_.version_minor != format_version_minor_layers))
+        (header_.version_minor != version_minor_plain &&
+         header_.version_minor != version_minor_layers))
         return {ErrorCode::unsupported,
                 name() + ": the file has format version " + std::to_string(header_.version_major) +
                     "." + std::to_string(header_.version_minor) + ", this program reads " +
                     std::to_string(format_version_major) + "." +
-                    std::to_string(format_version_minor) + " and " +
+                    std::to_string(version_minor_plain) + " and " +
                     std::to_string(format_version_major) + "." +
-                    std::to_string(format_version_minor_layers)};
+                    std::to_string(version_minor_layers)};
 
     // The checksum covers the section table, so the length of the table must be plausible first.
     rule = ContainerRule::length;
@@ -129,7 +129,7 @@ Status OpenContainer::load_header(const OpenOptions& options, ContainerRule& rul
     rule = ContainerRule::features;
     TESSERA_TRY(check_features(header_).with_context(name()));
     if (((header_.required_features & feature_layers) != 0) !=
-        (header_.version_minor == format_version_minor_layers))
+        (header_.version_minor == version_minor_layers))
         return invalid("the feature of layers contradicts the format version");
     rule = ContainerRule::header_field;
     TESSERA_TRY(check_fields(header_).with_context(name()));

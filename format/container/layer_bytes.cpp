@@ -126,7 +126,7 @@ std::vector<std::byte> first_beginning(const CutFile& first, std::span<const std
                                        std::uint64_t other_bytes) {
     FileHeader header = first.header;
     header.required_features |= feature_layers;
-    header.version_minor = format_version_minor_layers;
+    header.version_minor = version_minor_layers;
     header.file_size += section_entry_bytes + section.size() + other_bytes;
     ++header.section_count;
     std::vector<std::byte> table(first.table.begin(), first.table.end());

@@ -21,8 +21,9 @@ namespace tessera {
 inline constexpr std::array<unsigned char, 12> file_identifier = {
     0x89, 'T', 'E', 'S', 'S', 'E', 'R', 'A', '\r', '\n', 0x1A, '\n'};
 
-// The minor version of files with layers; that of others is format_version_minor.
-inline constexpr std::uint16_t format_version_minor_layers = 6;
+// The minor versions that headers state (FORMAT.md 1.1).
+inline constexpr std::uint16_t version_minor_plain = 5;
+inline constexpr std::uint16_t version_minor_layers = 6;
 
 // Sizes of records, in bytes, and limits.
 inline constexpr std::size_t header_bytes = 92;
@@ -47,7 +48,7 @@ std::string feature_name(unsigned bit);
 // 1.1.
 struct FileHeader {
     std::uint16_t version_major = format_version_major;
-    std::uint16_t version_minor = format_version_minor;
+    std::uint16_t version_minor = version_minor_plain;
     std::uint64_t required_features = 0; // the file stores the lower 32 bits of both
     std::uint64_t optional_features = 0;
     std::uint64_t file_size = 0;    // bytes

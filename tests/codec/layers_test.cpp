@@ -69,7 +69,7 @@ TEST(LayeredFiles, HoldTheTexelsOfEachLayer) {
     const auto reader = ContainerReader::open(*source);
     ASSERT_TRUE(reader.ok()) << reader.status().message();
     EXPECT_EQ(reader->file_bytes(), joined.size());
-    EXPECT_EQ(reader->facts().version_minor, format_version_minor_layers);
+    EXPECT_EQ(reader->facts().version_minor, version_minor_layers);
     const Layers& layers = reader->layers();
     EXPECT_EQ(layers.scale, 0.5f);
     ASSERT_EQ(layers.further.size(), 3u);
@@ -188,8 +188,7 @@ TEST(LayeredFiles, RefuseAFeatureWithoutItsSection) {
         FileHeader header = load_header(std::span(file).first<header_bytes>());
         header.required_features ^= feature_layers;
         for (const bool version : {true, false}) {
-            header.version_minor =
-                version == feature ? format_version_minor_layers : format_version_minor;
+            header.version_minor = version == feature ? version_minor_layers : version_minor_plain;
             const auto bytes = store_header(header);
             std::ranges::copy(bytes, file.begin());
             const auto table =

@@ -30,7 +30,7 @@ TEST_F(Cli, PrintsHelpAndVersion) {
         EXPECT_NE(run("help").out.find(verb), std::string::npos) << run("help").out;
     }
     EXPECT_EQ(run("--help").code, 0);
-    EXPECT_NE(run("version").out.find("file format 0.5"), std::string::npos);
+    EXPECT_NE(run("version").out.find("file format 0.7"), std::string::npos);
     EXPECT_EQ(run("--version").out, run("version").out);
     EXPECT_NE(run("bake --list").out.find("composed"), std::string::npos);
 }
