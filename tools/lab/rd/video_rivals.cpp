@@ -200,7 +200,7 @@ std::vector<Rival> video_rivals() {
     const Ladder crf{{"crf 34", "crf 29", "crf 24", "crf 19"},
                      {"crf 39", "crf 44"},
                      {"crf 14", "crf 9", "crf 4"}};
-    const Ladder cq{{"cq 54", "cq 44", "cq 32", "cq 20"}, {"cq 60"}, {"cq 12", "cq 5"}};
+    const Ladder cq{{"cq 54", "cq 44", "cq 32", "cq 20"}, {"cq 60"}, {"cq 12", "cq 8", "cq 5"}};
     const Ladder av1{{"crf 50", "crf 40", "crf 30", "crf 20"}, {"crf 58"}, {"crf 12", "crf 5"}};
     std::vector<Rival> all;
     const auto add = [&all](Rival rival) { all.push_back(std::move(rival)); };
