@@ -233,23 +233,26 @@ void declare(CLI::App& c, BakeCommand& a) {
     sphere.option("--size", "UxVxSxT", a.texture.size, "Size of the texture. Default: see --list");
     sphere.option("--seed", "N", a.seed, "Seed of the sample pattern. Default: 1");
     mesh.option("--density", "N", a.density,
-                "Texels per world unit, fewer on mirrors and at a distance. Default: 16, or 64 for "
-                "patterned objects; models, in their own units: such that there are 60,000",
+                "Texels per world unit, fewer on mirrors and at a distance. Default: 64 for "
+                "patterned objects, else 32 in layers and 16 in one texture; models, in their own "
+                "units: such that there are 60,000",
                 number_between(1e-6, 1e9));
     mesh.option("--directions", "SxT", a.directions,
-                "Size of each angular image. Default: 24x24, or 16x16 if only some objects are "
-                "glossy, 1x1 if none is");
+                "Size of each angular image. Default: 24x24, or in one texture 16x16 if only some "
+                "objects are glossy, 1x1 if none is");
     c.get_option("--angular-map")
         ->description("octahedral-hemisphere, octahedral-mirrored, or auto: the cheaper of both "
                       "(default)")
         ->group(mesh_heading);
     add_model_options(c, a.model);
-    OptionGroup layers(c, "Layers of a model");
+    OptionGroup layers(c, "Layers");
     layers.flag("--layered", a.layered,
                 "Bake colours, gloss, bumps, shadows and reflections into layers of their own, "
-                "which are sharp close by in few bytes. Default: a trial with a few paths decides");
+                "which are sharp close by in few bytes. Default: for models a trial with a few "
+                "paths decides, for scenes on a mesh whether something shines");
     layers.flag("--single", a.single, "Bake one texture of all light instead");
-    layers.option("--texels", "N", a.texels, "Texels of a layer of colours. Default: 1000000",
+    layers.option("--texels", "N", a.texels,
+                  "Texels of a model's layer of colours. Default: 1000000",
                   number_between(1024, 67108864));
     layers.option("--lights", "N", a.lights,
                   "Lights that stand for the environment; 0: none, reflections hold all light. "
