@@ -162,6 +162,14 @@ glm::dvec3 LitPlace::leaving(const glm::dvec3& towards) const {
                      light_leaving(scene_, {object_, position_, normal_, view, colour_}, 0));
 }
 
+glm::dvec3 LitPlace::matte() const {
+    Object dull = object_;
+    dull.material.specular = 0.0;
+    dull.material.mirror = 0.0;
+    const glm::dvec3 light = light_leaving(scene_, {dull, position_, normal_, normal_, colour_}, 0);
+    return displayed(scene_, light * (1.0 - object_.material.mirror));
+}
+
 bool shines(const Material& material) {
     return material.specular > 0.0 || material.mirror > 0.0;
 }

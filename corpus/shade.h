@@ -32,6 +32,8 @@ public:
     // The light that leaves along the unit vector `towards`, as trace() returns it for a ray that
     // comes from there. A vector into the object stands for its mirror image above the surface.
     glm::dvec3 leaving(const glm::dvec3& towards) const;
+    // What of it is the same towards all sides: light without highlights and mirror images.
+    glm::dvec3 matte() const;
 
 private:
     const Scene& scene_;

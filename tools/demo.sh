@@ -14,7 +14,7 @@ OUT=demo_output
 mkdir -p "$OUT"
 
 say "Baking the composed scene on the surfaces of its things"
-$T bake composed -o "$OUT/surface.tess" --proxy mesh --effort 2 --quality 40
+$T bake composed -o "$OUT/surface.tess" --proxy mesh --effort 2 --quality 50
 
 say "Baking it on the paper's sphere, $SIZE at 16 samples a texel"
 $T bake composed -o "$OUT/composed.tess" --size "$SIZE" --spp 16 --target-psnr 40

@@ -104,21 +104,6 @@ double quality_for_difference(double scale) {
     return std::clamp(usual + per_doubling * std::log2(scale / usual_scale), -12.0, 8.0);
 }
 
-// Stores signed values, with the largest as the scale.
-void store_differences(LayerTexture& layer, const LightTexels& values) {
-    double most = 1e-3;
-    for (const glm::vec3& x : values)
-        for (glm::length_t c = 0; c < 3; ++c)
-            most = std::max(most, std::abs(static_cast<double>(x[c])));
-    layer.scale = most;
-    layer.transfer = Transfer::linear;
-    layer.quality_change = quality_for_difference(most);
-    for (std::size_t i = 0; i < values.size(); ++i)
-        for (glm::length_t c = 0; c < 3; ++c)
-            layer.texels[3 * i + static_cast<std::size_t>(c)] = static_cast<std::byte>(
-                static_cast<unsigned>(128.5 + 127.0 * static_cast<double>(values[i][c]) / most));
-}
-
 } // namespace
 
 Result<std::optional<LayerTexture>>
@@ -183,6 +168,7 @@ bake_difference_layer(const ModelPlaces& places, const PlaceLight& light, const 
     if (std::sqrt(square / count) < least_difference)
         return std::optional<LayerTexture>();
     store_differences(texture, values);
+    texture.quality_change = quality_for_difference(texture.scale);
     return std::optional<LayerTexture>(std::move(texture));
 }
 

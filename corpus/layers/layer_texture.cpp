@@ -69,4 +69,18 @@ void store_wide_light(LayerTexture& layer, const LightTexels& light, double most
     store_as(layer, light, most, 0.0, [](double x) { return linear_to_srgb(std::sqrt(x)); });
 }
 
+void store_differences(LayerTexture& layer, const LightTexels& values) {
+    layer.scale = least_scale;
+    for (const glm::vec3& x : values)
+        for (glm::length_t c = 0; c < 3; ++c)
+            layer.scale = std::max(layer.scale, std::abs(static_cast<double>(x[c])));
+    layer.transfer = Transfer::linear;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        for (glm::length_t c = 0; c < 3; ++c) {
+            const double share = static_cast<double>(values[i][c]) / layer.scale;
+            layer.texels[3 * i + static_cast<std::size_t>(c)] =
+                static_cast<std::byte>(static_cast<unsigned>(128.5 + 127.0 * share));
+        }
+}
+
 } // namespace tessera::corpus

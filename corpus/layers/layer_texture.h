@@ -36,4 +36,7 @@ void store_light(LayerTexture& layer, const LightTexels& light, double most, dou
 // The same for light that spans a wide range: as sRGB of the root.
 void store_wide_light(LayerTexture& layer, const LightTexels& light, double most);
 
+// Stores values around 0, with the largest of them as the scale.
+void store_differences(LayerTexture& layer, const LightTexels& values);
+
 } // namespace tessera::corpus

@@ -15,6 +15,19 @@ LitSurface::make(Scene scene, SurfaceMesh mesh, std::vector<Chart> charts, const
         new LitSurface(std::move(scene), std::move(mesh), std::move(charts), std::move(places)));
 }
 
+Result<std::shared_ptr<const LitSurface>> LitSurface::finer(std::uint32_t factor) const {
+    std::vector<Chart> charts = charts_;
+    Texels2 size = places_.size();
+    for (std::size_t a = 0; a < 2; ++a) {
+        size[a] *= factor;
+        for (Chart& chart : charts) {
+            chart.begin[a] *= factor;
+            chart.extent[a] *= factor;
+        }
+    }
+    return make(scene_, mesh_, std::move(charts), size);
+}
+
 const Chart& LitSurface::chart_at(std::uint32_t u, std::uint32_t v) const {
     return charts_[places_.chart_of(places_.place(u, v, {0.0, 0.0}).triangle)];
 }

@@ -25,6 +25,9 @@ public:
     static Result<std::shared_ptr<const LitSurface>>
     make(Scene scene, SurfaceMesh mesh, std::vector<Chart> charts, const Texels2& size);
 
+    // The same surface with `factor` times as many texels along u and v. Errors: those of make().
+    Result<std::shared_ptr<const LitSurface>> finer(std::uint32_t factor) const;
+
     const Scene& scene() const { return scene_; }
     const TexelPlaces& places() const { return places_; }
     // The place `offset` texels from the centre of a texel. Precondition: places().matters(u, v),

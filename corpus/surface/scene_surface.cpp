@@ -59,4 +59,16 @@ Result<SceneSurface> make_scene_surface(const Scene& scene, const SurfaceOptions
     return surface;
 }
 
+Result<CodedSurface> make_coded_surface(const Scene& scene, const SurfaceOptions& options) {
+    constexpr std::uint64_t most_mesh_bytes = std::uint64_t{1} << 30;
+    TESSERA_TRY_ASSIGN(SceneSurface surface, make_scene_surface(scene, options));
+    CodedSurface coded;
+    TESSERA_TRY_ASSIGN(coded.stream,
+                       encode_mesh(surface.mesh, {.position_bits = 12, .uv_bits = 11}));
+    TESSERA_TRY_ASSIGN(coded.mesh, decode_mesh(coded.stream, most_mesh_bytes));
+    coded.charts = std::move(surface.charts);
+    coded.size = surface.size;
+    return coded;
+}
+
 } // namespace tessera::corpus

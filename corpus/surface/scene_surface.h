@@ -34,4 +34,16 @@ Scene with_surfaces(Scene scene);
 // unsupported (no surface, an infinite plane, too large for an atlas).
 Result<SceneSurface> make_scene_surface(const Scene& scene, const SurfaceOptions& options);
 
+// The surface with its mesh as a file has it, which differs by the quantisation and is what viewers
+// draw.
+struct CodedSurface {
+    std::vector<std::byte> stream; // section prxy
+    SurfaceMesh mesh;              // decoded
+    std::vector<Chart> charts;
+    Texels2 size{0, 0};
+};
+
+// Errors: those of make_scene_surface() and encode_mesh().
+Result<CodedSurface> make_coded_surface(const Scene& scene, const SurfaceOptions& options);
+
 } // namespace tessera::corpus

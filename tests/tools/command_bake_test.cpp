@@ -17,7 +17,7 @@ using namespace tessera::test;
 class BakeVerb : public CliFixture {};
 
 const std::string mesh_scene =
-    "bake aliasing-near --proxy mesh --density 6 --directions 6x5 --spp 1 --effort 0 ";
+    "bake aliasing-near --proxy mesh --single --density 6 --directions 6x5 --spp 1 --effort 0 ";
 
 TEST_F(BakeVerb, PutsScenesOnTheirOwnSurfaces) {
     const Json baked = json(mesh_scene + "--json --threads 1 -o a.tess");

@@ -13,7 +13,8 @@ protected:
         static std::string tess, glb;
         CliFixture::SetUp();
         if (glb.empty()) {
-            succeed("bake composed -o a.tess --proxy mesh --density 0.25 --directions 4x4 --spp 1 "
+            succeed("bake composed -o a.tess --proxy mesh --single --density 0.25 --directions 4x4 "
+                    "--spp 1 "
                     "--effort 0 -q");
             succeed("convert a.tess -o a.glb -q");
             tess = slurp(at("a.tess"));
@@ -114,7 +115,7 @@ TEST_F(CommandConvert, OptionsOfThePictureAndTheMesh) {
 }
 
 TEST_F(CommandConvert, BakesAModelIntoAGlb) {
-    succeed("bake composed -o b.glb --proxy mesh --density 0.25 --directions 4x4 --spp 1 "
+    succeed("bake composed -o b.glb --proxy mesh --single --density 0.25 --directions 4x4 --spp 1 "
             "--effort 0 -q");
     expect_same("b.glb", "a.glb");
     const std::vector<std::string> before = names();

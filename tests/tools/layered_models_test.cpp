@@ -123,14 +123,14 @@ TEST_F(LayeredModels, OptionsThatDoNotApplyAreRefused) {
     fail(1, "bake roof.obj --layered -o a.exr", {".tess"});
     fail(1, "bake roof.obj --layered --angular-map octahedral-mirrored -o a.tess",
          {"--angular-map"});
-    fail(1, "bake composed --layered -o a.tess", {"--layered", "model"});
+    fail(1, "bake composed --layered -o a.tess", {"--layered", "--proxy mesh"});
     fail(1, "bake roof.obj --single --lights 3 -o a.tess", {"--lights", "--single"});
     fail(1, "bake roof.obj --single --noise 40 -o a.tess", {"--noise", "--single"});
     fail(1, "bake roof.obj --noise 5 -o a.tess", {"--noise", "10", "80"});
     fail(1, "bake roof.obj --single --layered -o a.tess", {"--layered", "--single"});
     fail(1, "bake roof.obj --texels 2000 --target-psnr 30 -q -o a.tess",
          {"--texels", "--target-psnr"});
-    fail(1, "bake composed --single -o a.tess", {"--single", "model"});
+    fail(1, "bake composed --single -o a.tess", {"--single", "--proxy mesh"});
     fail(2, "bake nowhere.obj --layered -o a.tess", {"nowhere.obj"});
 }
 

@@ -7,33 +7,28 @@
 #include "tools/support/parse.h"
 
 namespace tessera {
-namespace {
-
-constexpr std::uint64_t most_mesh_bytes = std::uint64_t{1} << 30;
-
-} // namespace
+std::string background_fact(const corpus::Scene& scene) {
+    return format_number(scene.background.x, 4) + "," + format_number(scene.background.y, 4) + "," +
+           format_number(scene.background.z, 4);
+}
 
 Result<BakedSurface> bake_surface(const SurfaceBake& bake) {
     TESSERA_TRY_ASSIGN(const corpus::Scene made, corpus::make_scene(bake.scene));
     const corpus::Scene scene = corpus::with_surfaces(made);
     BakedSurface baked;
-    baked.background = format_number(scene.background.x, 4) + "," +
-                       format_number(scene.background.y, 4) + "," +
-                       format_number(scene.background.z, 4);
+    baked.background = background_fact(scene);
     baked.detail = corpus::surface_detail(scene, bake.detail);
     const Extent4& tile = baked.detail.tile;
     corpus::SurfaceOptions options;
     options.atlas.density = baked.detail.density;
     options.atlas.tile = {tile[axis_u], tile[axis_v]};
-    TESSERA_TRY_ASSIGN(corpus::SceneSurface surface, corpus::make_scene_surface(scene, options));
-    TESSERA_TRY_ASSIGN(baked.mesh, encode_mesh(surface.mesh, {.position_bits = 12, .uv_bits = 11}));
-    // The decoded mesh, which differs by the quantisation, is what viewers draw.
-    TESSERA_TRY_ASSIGN(SurfaceMesh mesh, decode_mesh(baked.mesh, most_mesh_bytes));
-    baked.triangles = mesh.triangles.size();
+    TESSERA_TRY_ASSIGN(corpus::CodedSurface surface, corpus::make_coded_surface(scene, options));
+    baked.mesh = std::move(surface.stream);
+    baked.triangles = surface.mesh.triangles.size();
     baked.charts = surface.charts.size();
-    TESSERA_TRY_ASSIGN(
-        const auto lit,
-        corpus::LitSurface::make(scene, std::move(mesh), std::move(surface.charts), surface.size));
+    TESSERA_TRY_ASSIGN(const auto lit,
+                       corpus::LitSurface::make(scene, std::move(surface.mesh),
+                                                std::move(surface.charts), surface.size));
     baked.map = bake.map ? *bake.map : corpus::choose_angular_map(*lit, baked.detail.directions);
     TESSERA_TRY_ASSIGN(baked.texels, corpus::make_surface_source(
                                          lit, baked.map, baked.detail.directions, bake.samples));

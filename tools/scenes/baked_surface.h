@@ -13,6 +13,9 @@
 
 namespace tessera {
 
+// "r,g,b", the colour of rays that miss all surfaces.
+std::string background_fact(const corpus::Scene& scene);
+
 struct SurfaceBake {
     std::string scene;
     corpus::SurfaceWish detail;
@@ -24,7 +27,7 @@ struct BakedSurface {
     std::unique_ptr<TexelSource> texels, mask;
     std::vector<std::byte> mesh; // section prxy
     AngularMap map{};
-    std::string background; // "r,g,b", the colour of rays that miss all surfaces
+    std::string background; // background_fact()
     corpus::SurfaceDetail detail;
     std::size_t triangles = 0, charts = 0;
 };

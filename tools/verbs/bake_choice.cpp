@@ -130,10 +130,12 @@ Result<BakeChoice> choose_layers(const BakeCommand& a, const ModelToBake& model)
 void say_choice(const BakeCommand& a, const BakeChoice& choice) {
     if (!speaks(a))
         return;
-    std::fprintf(stderr, "tessera bake: %s, because %s; about %s in %s s\n",
-                 choice.layered ? "layers" : "one texture", choice.why.c_str(),
-                 human_bytes(static_cast<std::uint64_t>(choice.bytes)).c_str(),
-                 format_number(choice.seconds, 0).c_str());
+    const std::string cost =
+        choice.bytes > 0 ? "; about " + human_bytes(static_cast<std::uint64_t>(choice.bytes)) +
+                               " in " + format_number(choice.seconds, 0) + " s"
+                         : "";
+    std::fprintf(stderr, "tessera bake: %s, because %s%s\n",
+                 choice.layered ? "layers" : "one texture", choice.why.c_str(), cost.c_str());
 }
 
 } // namespace tessera

@@ -1,17 +1,10 @@
 #include "tools/verbs/bake_layers.h"
 
 #include "corpus/layers/clear_walls.h"
-#include "tools/support/encode_report.h"
-#include "tools/support/interrupt.h"
-#include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
-#include "tools/support/standard_streams.h"
 #include "tools/verbs/bake_choice.h"
-#include "tools/verbs/encode_layers.h"
-
-#include <chrono>
-#include <cstdio>
+#include "tools/verbs/write_layers.h"
 
 namespace tessera {
 namespace {
@@ -34,53 +27,7 @@ corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::Sur
     options.light.shadow_samples = a.samples * rays_per_place;
     options.light.noise = a.noise.value_or(options.light.noise);
     options.light.seed = a.seed.value_or(usual_bake_seed);
-    options.run.threads = a.texture.threads;
-    options.run.cancelled = [] { return interrupted_by() != 0; };
     return options;
-}
-
-void report(const BakeCommand& a, const corpus::Model& model, const corpus::ModelLayers& baked,
-            const CodedLayers& coded, const std::optional<GlbReport>& glb, const Warnings& warnings,
-            double seconds) {
-    if (a.encode.json) {
-        Json json = {{"output", a.output},
-                     {"bytes", coded.file.size()},
-                     {"quality", *coded.quality},
-                     {"seconds", seconds},
-                     {"triangles", baked.decoded_mesh.triangles.size()},
-                     {"charts", baked.charts},
-                     {"mesh_bytes", baked.mesh.size()},
-                     {"texels_per_unit", baked.density * model.frame.scale},
-                     {"lights", baked.lights.size()},
-                     {"noise_db", baked.noise},
-                     {"warnings", warnings.json()},
-                     {"layers", layers_json(coded)}};
-        if (glb)
-            json["glb"] = to_json(*glb);
-        print_json(json);
-        return;
-    }
-    warnings.print("bake");
-    if (a.texture.quiet)
-        return;
-    std::FILE* const to = summary_stream(a.output);
-    std::fprintf(to, "%s: %s in %.1f s, %s\n", a.output.c_str(),
-                 human_bytes(coded.file.size()).c_str(), seconds, rate_text(coded).c_str());
-    print_layers(to, baked, coded);
-    std::fprintf(to, "  %zu lights, %s texels per unit, noise of diffuse light %s dB\n",
-                 baked.lights.size(), format_digits(baked.density * model.frame.scale, 4).c_str(),
-                 format_number(baked.noise, 1).c_str());
-    if (glb)
-        std::fprintf(to, "  glTF file of %s\n", to_string(*glb).c_str());
-}
-
-Status write_file(const std::string& path, std::span<const std::byte> bytes) {
-    if (path == standard_stream) {
-        TESSERA_TRY(write_standard_output(bytes));
-        return flush_standard_output();
-    }
-    TESSERA_TRY(make_parent_folders(path));
-    return write_bytes(path, bytes);
 }
 
 // Names what layers only approximate, once for each material that a triangle has.
@@ -120,7 +67,7 @@ Status check_layered(const BakeCommand& a) {
 }
 
 Status bake_layered(const BakeCommand& a, ModelToBake model) {
-    const auto start = std::chrono::steady_clock::now();
+    BakedLayers baked;
     TESSERA_TRY_ASSIGN(const corpus::SurfaceWish wish, surface_wish(a));
     corpus::make_clear_walls_blend(model.file.model);
     const LitModelFile& file = model.file;
@@ -132,35 +79,20 @@ Status bake_layered(const BakeCommand& a, ModelToBake model) {
                                      a.scene));
     TESSERA_TRY(warn_of_coats(file.model, a.scene, warnings));
     corpus::ModelLayersOptions options = layer_options(a, wish, file);
-    corpus::ModelLayers baked;
-    CodedLayers coded;
     {
         Progress progress("tessera bake", a.texture.quiet || a.encode.json);
-        options.run.progress = progress.function();
+        options.run = bake_run(a, progress.function());
         TESSERA_TRY_ASSIGN(
-            baked,
+            baked.layers,
             corpus::bake_model_layers(file.model, file.light, options).with_context(a.scene));
-        TESSERA_TRY_ASSIGN(
-            EncodeOptions encode,
-            make_encode_options(a.encode, a.texture.threads,
-                                metadata_of(model_facts(
-                                    a, file, baked.density * file.model.frame.scale, model.notes)),
-                                {}));
-        encode.mesh = baked.mesh;
-        encode.progress = options.run.progress;
-        encode.cancelled = options.run.cancelled;
-        TESSERA_TRY_ASSIGN(
-            coded, encode_layers(baked, encode, rate_of_layers(a.encode)).with_context(a.output));
     }
-    std::optional<GlbReport> glb;
-    if (is_glb_name(a.output)) {
-        TESSERA_TRY_ASSIGN(glb, write_baked_glb(a, coded.file));
-    } else {
-        TESSERA_TRY(write_file(a.output, coded.file));
-    }
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    report(a, file.model, baked, coded, glb, warnings, seconds.count());
-    return {};
+    baked.density = baked.layers.density * file.model.frame.scale;
+    baked.facts = model_facts(a, file, baked.density, model.notes);
+    baked.json = {{"noise_db", baked.layers.noise}};
+    baked.remark = std::to_string(baked.layers.lights.size()) + " lights, " +
+                   format_digits(baked.density, 4) + " texels per unit, noise of diffuse light " +
+                   format_number(baked.layers.noise, 1) + " dB";
+    return write_layers(a, baked, warnings);
 }
 
 } // namespace tessera

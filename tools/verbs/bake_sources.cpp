@@ -63,6 +63,39 @@ Result<Baking> sphere_baking(const BakeCommand& a) {
     return baking;
 }
 
+Result<Baking> mesh_baking(const BakeCommand& a, const std::string& map) {
+    TESSERA_TRY(check_mesh_options(a));
+    SurfaceBake bake{a.scene, {}, {}, a.samples};
+    TESSERA_TRY_ASSIGN(bake.detail, surface_wish(a));
+    TESSERA_TRY_ASSIGN(
+        bake.map, parse_octahedral_map(map.empty() ? "auto" : map).with_context("--angular-map"));
+    TESSERA_TRY_ASSIGN(BakedSurface baked, bake_surface(bake));
+    Baking baking;
+    baking.description = colours_of(baked.texels->desc().type);
+    baking.description.proxy = Proxy::mesh;
+    baking.description.surface_map = SurfaceMap::mesh_uv;
+    baking.description.angular_map = baked.map;
+    baking.tile = baked.detail.tile;
+    baking.facts = scene_facts(a, baked.detail.density, baked.background);
+    baking.json = {{"scene", a.scene},
+                   {"samples_per_texel", a.samples},
+                   {"texels_per_unit", baked.detail.density},
+                   {"angular_map", name_of(baked.map)},
+                   {"triangles", baked.triangles},
+                   {"charts", baked.charts},
+                   {"mesh_bytes", baked.mesh.size()}};
+    baking.remark = std::to_string(baked.triangles) + " triangles in " +
+                    human_bytes(baked.mesh.size()) + ", " + std::to_string(baked.charts) +
+                    " charts, " + format_number(baked.detail.density, 3) + " texels per unit, " +
+                    name_of(baked.map);
+    baking.mesh = std::move(baked.mesh);
+    baking.texels = std::move(baked.texels);
+    baking.mask = std::move(baked.mask);
+    return baking;
+}
+
+} // namespace
+
 Status check_mesh_options(const BakeCommand& a) {
     if (!a.texture.size.empty())
         return {ErrorCode::bad_argument,
@@ -79,41 +112,13 @@ Status check_mesh_options(const BakeCommand& a) {
     return {};
 }
 
-Result<Baking> mesh_baking(const BakeCommand& a, const std::string& map) {
-    TESSERA_TRY(check_mesh_options(a));
-    SurfaceBake bake{a.scene, {}, {}, a.samples};
-    TESSERA_TRY_ASSIGN(bake.detail, surface_wish(a));
-    TESSERA_TRY_ASSIGN(
-        bake.map, parse_octahedral_map(map.empty() ? "auto" : map).with_context("--angular-map"));
-    TESSERA_TRY_ASSIGN(BakedSurface baked, bake_surface(bake));
-    Baking baking;
-    baking.description = colours_of(baked.texels->desc().type);
-    baking.description.proxy = Proxy::mesh;
-    baking.description.surface_map = SurfaceMap::mesh_uv;
-    baking.description.angular_map = baked.map;
-    baking.tile = baked.detail.tile;
-    const std::string density = format_number(baked.detail.density, 3);
-    baking.facts = {{"scene", a.scene},
-                    {"samples per texel", std::to_string(a.samples)},
-                    {"texels per unit", density},
-                    {"background", baked.background}};
-    baking.json = {{"scene", a.scene},
-                   {"samples_per_texel", a.samples},
-                   {"texels_per_unit", baked.detail.density},
-                   {"angular_map", name_of(baked.map)},
-                   {"triangles", baked.triangles},
-                   {"charts", baked.charts},
-                   {"mesh_bytes", baked.mesh.size()}};
-    baking.remark = std::to_string(baked.triangles) + " triangles in " +
-                    human_bytes(baked.mesh.size()) + ", " + std::to_string(baked.charts) +
-                    " charts, " + density + " texels per unit, " + name_of(baked.map);
-    baking.mesh = std::move(baked.mesh);
-    baking.texels = std::move(baked.texels);
-    baking.mask = std::move(baked.mask);
-    return baking;
+std::vector<std::pair<std::string, std::string>> scene_facts(const BakeCommand& a, double density,
+                                                             const std::string& background) {
+    return {{"scene", a.scene},
+            {"samples per texel", std::to_string(a.samples)},
+            {"texels per unit", format_number(density, 3)},
+            {"background", background}};
 }
-
-} // namespace
 
 Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a) {
     corpus::SurfaceWish wish;

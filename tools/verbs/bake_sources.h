@@ -84,6 +84,12 @@ Result<Baking> make_baking(BakeCommand& a, ModelToBake* model);
 // Facts as metadata: their names begin with a capital letter.
 Metadata metadata_of(const std::vector<std::pair<std::string, std::string>>& facts);
 
+// What --size, --seed and such cannot mean with --proxy mesh. Errors: bad_argument.
+Status check_mesh_options(const BakeCommand& a);
+// Everything that the texels of a scene on its own surfaces depend on.
+std::vector<std::pair<std::string, std::string>> scene_facts(const BakeCommand& a, double density,
+                                                             const std::string& background);
+
 // Of models only, in bake_models.cpp. What all bakes of models have in common:
 Status check_model(const BakeCommand& a); // errors: bad_argument
 // Its model has both sides. Errors: those of load_lit_model() and corpus::with_both_sides();

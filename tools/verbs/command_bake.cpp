@@ -1,5 +1,7 @@
 #include "corpus/bake.h"
 #include "corpus/catalog.h"
+#include "tools/scenes/baked_surface.h"
+#include "tools/scenes/scene_name.h"
 #include "tools/support/copy_texture.h"
 #include "tools/support/description_text.h"
 #include "tools/support/encode_report.h"
@@ -12,6 +14,7 @@
 #include "tools/texture_io/texture_io.h"
 #include "tools/verbs/bake_choice.h"
 #include "tools/verbs/bake_layers.h"
+#include "tools/verbs/bake_scene.h"
 #include "tools/verbs/bake_sources.h"
 #include "tools/verbs/command.h"
 
@@ -125,8 +128,7 @@ Status bake_plain(const BakeCommand& a, const Baking& baking, const EncodeOption
 Status check_no_layer_options(const BakeCommand& a, const std::string& why) {
     for (const auto& [option, given] :
          {std::pair("--layered", a.layered), std::pair("--texels", a.texels.has_value()),
-          std::pair("--lights", a.lights.has_value()), std::pair("--noise", a.noise.has_value()),
-          std::pair("--single", a.single && !corpus::is_model_path(a.scene))})
+          std::pair("--lights", a.lights.has_value()), std::pair("--noise", a.noise.has_value())})
         if (given)
             return {ErrorCode::bad_argument, std::string(option) + ": " + why};
     return {};
@@ -157,6 +159,32 @@ Status bake_model(const BakeCommand& a) {
     return bake_texture(a, &model);
 }
 
+Status bake_scene(const BakeCommand& a) {
+    for (const auto& [option, given] :
+         {std::pair("--texels", a.texels.has_value()), std::pair("--lights", a.lights.has_value()),
+          std::pair("--noise", a.noise.has_value())})
+        if (given)
+            return {ErrorCode::bad_argument,
+                    std::string(option) + ": needs a model, not the built-in scene " + a.scene};
+    TESSERA_TRY(check_scene(a.scene));
+    if (!is_on_own_surfaces(a)) {
+        if (a.layered || a.single)
+            return {ErrorCode::bad_argument, std::string(a.layered ? "--layered" : "--single") +
+                                                 ": a built-in scene needs --proxy mesh, too"};
+        return bake_texture(a, nullptr);
+    }
+    TESSERA_TRY(check_mesh_options(a));
+    TESSERA_TRY(check_no_model_options(a.model));
+    if (a.single)
+        TESSERA_TRY(check_no_layer_options(a, "does not apply to --single"));
+    if (const auto map = a.encode.description.find("angular-map");
+        map != a.encode.description.end())
+        TESSERA_TRY(parse_octahedral_map(map->second).status().with_context("--angular-map"));
+    TESSERA_TRY_ASSIGN(const BakeChoice choice, choose_scene_layers(a));
+    say_choice(a, choice);
+    return choice.layered ? bake_layered_scene(a) : bake_texture(a, nullptr);
+}
+
 Status run(const BakeCommand& a) {
     if (a.list)
         return list_scenes();
@@ -170,8 +198,7 @@ Status run(const BakeCommand& a) {
         TESSERA_TRY(check_compressed_output(a)); // before a model is loaded
     if (corpus::is_model_path(a.scene))
         return with_memory_hint(bake_model(a));
-    TESSERA_TRY(check_no_layer_options(a, "needs a model, not the built-in scene " + a.scene));
-    return with_memory_hint(bake_texture(a, nullptr));
+    return with_memory_hint(bake_scene(a));
 }
 
 // Options of encode that work here, too. The help of encode explains them.
@@ -206,23 +233,26 @@ void declare(CLI::App& c, BakeCommand& a) {
     sphere.option("--size", "UxVxSxT", a.texture.size, "Size of the texture. Default: see --list");
     sphere.option("--seed", "N", a.seed, "Seed of the sample pattern. Default: 1");
     mesh.option("--density", "N", a.density,
-                "Texels per world unit, fewer on mirrors and at a distance. Default: 16, or 64 for "
-                "patterned objects; models, in their own units: such that there are 60,000",
+                "Texels per world unit, fewer on mirrors and at a distance. Default: 64 for "
+                "patterned objects, else 32 in layers and 16 in one texture; models, in their own "
+                "units: such that there are 60,000",
                 number_between(1e-6, 1e9));
     mesh.option("--directions", "SxT", a.directions,
-                "Size of each angular image. Default: 24x24, or 16x16 if only some objects are "
-                "glossy, 1x1 if none is");
+                "Size of each angular image. Default: 24x24, or in one texture 16x16 if only some "
+                "objects are glossy, 1x1 if none is");
     c.get_option("--angular-map")
         ->description("octahedral-hemisphere, octahedral-mirrored, or auto: the cheaper of both "
                       "(default)")
         ->group(mesh_heading);
     add_model_options(c, a.model);
-    OptionGroup layers(c, "Layers of a model");
+    OptionGroup layers(c, "Layers");
     layers.flag("--layered", a.layered,
                 "Bake colours, gloss, bumps, shadows and reflections into layers of their own, "
-                "which are sharp close by in few bytes. Default: a trial with a few paths decides");
+                "which are sharp close by in few bytes. Default: for models a trial with a few "
+                "paths decides, for scenes on a mesh whether something shines");
     layers.flag("--single", a.single, "Bake one texture of all light instead");
-    layers.option("--texels", "N", a.texels, "Texels of a layer of colours. Default: 1000000",
+    layers.option("--texels", "N", a.texels,
+                  "Texels of a model's layer of colours. Default: 1000000",
                   number_between(1024, 67108864));
     layers.option("--lights", "N", a.lights,
                   "Lights that stand for the environment; 0: none, reflections hold all light. "

@@ -3,6 +3,8 @@
 #include "codec/encoder.h"
 #include "corpus/bake.h"
 #include "corpus/catalog.h"
+#include "corpus/layers/scene_layers.h"
+#include "corpus/surface/scene_surface.h"
 #include "format/output_file.h"
 #include "tools/lab/rd/curve_plot.h"
 #include "tools/lab/rd/scratch_folder.h"
@@ -14,6 +16,7 @@
 #include "tools/support/output_folders.h"
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
+#include "tools/verbs/encode_layers.h"
 #include "tools/view/render_stage.h"
 #include "tools/view/view_file.h"
 #include "tools/view/view_report.h"
@@ -35,9 +38,11 @@ struct Carrier {
     std::optional<corpus::SurfaceWish> surface; // absent: the paper's sphere
     Extent4 size{0, 0, 0, 0};                   // texture size, for the sphere only
     std::vector<double> qualities;
+    bool layered = false; // colours, and differences by direction
 };
 
-std::vector<Carrier> carriers_of(const ViewsOptions& o) {
+// `shines`: whether layers can hold the scene, and something shines in it.
+std::vector<Carrier> carriers_of(const ViewsOptions& o, bool shines) {
     std::vector<Carrier> all;
     const auto surface = [&](const char* family, unsigned density, std::uint32_t directions,
                              std::vector<double> qualities) {
@@ -47,17 +52,29 @@ std::vector<Carrier> carriers_of(const ViewsOptions& o) {
         std::string name = std::string(family) + ":" + std::to_string(density);
         if (directions > 1)
             name += " " + std::to_string(directions) + "x" + std::to_string(directions);
-        all.push_back({std::move(name), wish, {}, std::move(qualities)});
+        all.push_back({std::move(name), wish, {}, std::move(qualities), false});
     };
     const auto sphere = [&](const Extent4& size) {
-        all.push_back({"sphere:" + to_string(size), std::nullopt, size, {50, 62}});
+        all.push_back({"sphere:" + to_string(size), std::nullopt, size, {50, 62}, false});
+    };
+    const auto layers = [&](unsigned density, std::uint32_t directions,
+                            std::vector<double> qualities) {
+        if (!shines)
+            return;
+        surface("layers", density, directions, std::move(qualities));
+        all.back().layered = true;
     };
     if (o.quick) {
+        layers(32, 24, {40, 56});
         surface("surface", 16, 8, {40, 56});
         surface("plain", 16, 1, {50, 70});
         sphere({64, 32, 16, 16});
         return all;
     }
+    layers(32, 16, {40, 50, 60});
+    layers(32, 24, {36, 44, 52, 60, 68});
+    layers(64, 24, {44, 52, 60, 68});
+    layers(64, 32, {44, 52, 60, 68});
     surface("surface", 16, 24, {32, 40, 48, 56});
     surface("surface", 16, 16, {36, 46, 56});
     surface("surface", 32, 24, {40, 50, 60, 70});
@@ -159,13 +176,10 @@ Result<Baked> bake(const Carrier& carrier, const std::string& scene) {
     return baked;
 }
 
-Result<ViewsRow> measure(const Carrier& carrier, double quality, const ViewsOptions& o,
-                         const Judge& judge, const ProgressFunction& progress) {
-    TESSERA_TRY_ASSIGN(ScratchFolder folder, ScratchFolder::create());
-    const std::string file = folder.at("texture.tess");
-    const auto start = std::chrono::steady_clock::now();
-    Baked baked;
-    TESSERA_TRY_ASSIGN(baked, bake(carrier, o.scene));
+// Writes the texture and says what it is in the report's row.
+Status write_texture(const Carrier& carrier, double quality, const ViewsOptions& o,
+                     const ProgressFunction& progress, const std::string& file, ViewsRow& row) {
+    TESSERA_TRY_ASSIGN(Baked baked, bake(carrier, o.scene));
     EncodeOptions& options = baked.options;
     options.rate = {RateTarget::Kind::quality, quality};
     options.effort = o.effort;
@@ -174,12 +188,49 @@ Result<ViewsRow> measure(const Carrier& carrier, double quality, const ViewsOpti
     options.progress = progress;
     const auto source = interruptible(std::move(baked.texels));
     TESSERA_TRY_ASSIGN(const EncodeReport report, encode_file(*source, file, options));
-    ViewsRow row;
-    row.carrier = carrier.name;
-    row.setting = "quality " + format_number(quality, 0);
     row.size = to_string(source->desc().size);
     row.raw_bytes = source->desc().box_bytes(Box4::whole(source->desc().size));
     row.bytes = report.file_bytes;
+    return {};
+}
+
+Status write_layered(const Carrier& carrier, double quality, const ViewsOptions& o,
+                     const ProgressFunction& progress, const std::string& file, ViewsRow& row) {
+    TESSERA_TRY_ASSIGN(const corpus::Scene made, corpus::make_scene(o.scene));
+    const corpus::Scene scene = corpus::with_surfaces(made);
+    corpus::SceneLayersOptions bake{.wish = *carrier.surface, .samples = usual_samples, .run = {}};
+    bake.run = {.threads = o.threads, .progress = progress, .cancelled = [] {
+                    return interrupted_by() != 0;
+                }};
+    TESSERA_TRY_ASSIGN(const corpus::ModelLayers layers, corpus::bake_scene_layers(scene, bake));
+    EncodeOptions options;
+    options.effort = o.effort;
+    options.threads = o.threads;
+    options.verify = false;
+    options.progress = progress;
+    options.cancelled = bake.run.cancelled;
+    options.mesh = layers.mesh;
+    options.metadata["Background"] = background_fact(scene);
+    TESSERA_TRY_ASSIGN(const CodedLayers coded,
+                       encode_layers(layers, options, {.quality = quality}));
+    for (const corpus::LayerTexture& layer : layers.layers) {
+        row.size += (row.size.empty() ? "" : " + ") + to_string(layer.desc.size);
+        row.raw_bytes += layer.texels.size();
+    }
+    row.bytes = coded.file.size();
+    return write_bytes(file, coded.file);
+}
+
+Result<ViewsRow> measure(const Carrier& carrier, double quality, const ViewsOptions& o,
+                         const Judge& judge, const ProgressFunction& progress) {
+    TESSERA_TRY_ASSIGN(ScratchFolder folder, ScratchFolder::create());
+    const std::string file = folder.at("texture.tess");
+    const auto start = std::chrono::steady_clock::now();
+    ViewsRow row;
+    TESSERA_TRY((carrier.layered ? write_layered : write_texture)(carrier, quality, o, progress,
+                                                                  file, row));
+    row.carrier = carrier.name;
+    row.setting = "quality " + format_number(quality, 0);
     row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     TESSERA_TRY(judge.measure(file, row));
     return row;
@@ -239,7 +290,9 @@ Result<ViewsReport> run_views_study(const ViewsOptions& options) {
                        "tessera rd --views " + options.scene + (options.quick ? " --quick" : "") +
                            " -o " + options.output,
                        {}};
-    const std::vector<Carrier> carriers = carriers_of(options);
+    TESSERA_TRY_ASSIGN(const corpus::Scene scene, corpus::make_scene(options.scene));
+    const std::vector<Carrier> carriers =
+        carriers_of(options, corpus::any_shines(scene) && !traits_of(scene.type).is_float);
     TESSERA_TRY_ASSIGN(const Judge judge, Judge::make(options));
     for (const Carrier& carrier : carriers)
         for (const double quality : carrier.qualities) {
@@ -275,7 +328,8 @@ std::string to_text(const ViewsReport& report) {
         "` compares rendered views with a direct ray trace of 16 rays per pixel.\nBytes are those "
         "of the whole file. *Paper*: the paper's five views, 640x480; *around*: 32 cameras on all\n"
         "sides at distances 6 to 30, 320x240. *surface:D SxT*: the objects' own surfaces, D texels "
-        "per unit;\n*plain*: the same with one 2D texture; *sphere*: the paper's sphere.\n\n"
+        "per unit;\n*layers:D SxT*: D texels of colour per unit, and fewer for what depends on the "
+        "direction;\n*plain*: the same with one 2D texture; *sphere*: the paper's sphere.\n\n"
         "| carrier | setting | texture | raw | bytes | paper dB | SSIM | around dB | SSIM |\n"
         "|---|---|---|---|---|---|---|---|---|\n";
     for (const ViewsRow& r : report.rows)
