@@ -2,8 +2,8 @@
 
 #include "corpus/layers/material_layers.h"
 #include "corpus/layers/place_cells.h"
+#include "corpus/layers/texel_paths.h"
 #include "corpus/model/model.h"
-#include "corpus/trace/path_random.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,13 @@ namespace {
 
 constexpr std::uint64_t difference_paths = 0x64696666;
 constexpr double least_difference = 0.01; // root of the mean square that is worth a layer
+
+// What a display would show if it had some more light than white. Noisy light, and samples between
+// white and darker ones, would be too dark if each were cut at white.
+double shown_with_headroom(double light) {
+    constexpr double slope = 1.055 / 2.4, most = 1.3; // the slope: of sRGB at white
+    return light <= 1.0 ? linear_to_srgb(light) : std::min(1.0 + slope * (light - 1.0), most);
+}
 
 // Groups of coated places.
 struct CoatedCells {
@@ -69,14 +76,16 @@ public:
         }
     }
 
-    // The difference of display values in a mirrored direction.
-    glm::vec3 difference(double s, double t) const {
+    // The difference of display values in the mirrored directions of texel (x, y) of side * side.
+    glm::vec3 difference(std::uint32_t x, std::uint32_t y, std::uint32_t side) const {
+        const TexelPaths paths(mix_bits(seed_), static_cast<unsigned>(places_.size()), x, y);
+        const double s = (x + 0.5) / side, t = (y + 0.5) / side;
         glm::dvec3 all(0.0), layers(0.0);
         for (std::size_t i = 0; i < places_.size(); ++i) {
             const CellPlace& place = places_[i];
             const glm::dvec3 view = mirrored_view(place.at.frame, s, t);
             const LitPoint point = Tracer::facing(place.at.point, view);
-            PathRandom random(mix_bits(seed_), static_cast<std::uint32_t>(i)), same = random;
+            PathRandom random = paths[static_cast<unsigned>(i)], same = random;
             all += place.diffuse * below_coats(point, view) + place.at.point.emission +
                    tracer_.specular(point, view, random);
             layers +=
@@ -86,7 +95,7 @@ public:
             exposure_ / std::max<double>(1.0, static_cast<double>(places_.size()));
         glm::vec3 change;
         for (glm::length_t c = 0; c < 3; ++c)
-            change[c] = static_cast<float>(linear_to_srgb(all[c] * factor) -
+            change[c] = static_cast<float>(shown_with_headroom(all[c] * factor) -
                                            linear_to_srgb(layers[c] * factor));
         return change;
     }
@@ -110,8 +119,6 @@ Result<std::optional<LayerTexture>>
 bake_difference_layer(const ModelPlaces& places, const PlaceLight& light, const Tracer& tracer,
                       const NearestLobes& nearest, const DifferenceOptions& options,
                       const BakeRun& run) {
-    constexpr std::uint32_t least_step = 4;
-    constexpr std::size_t most_cells = 1024;
     // Most models have none, and their places need no look.
     if (std::ranges::none_of(places.model()->model().materials,
                              [](const ModelMaterial& m) { return m.coats.has_value(); }))
@@ -129,12 +136,15 @@ bake_difference_layer(const ModelPlaces& places, const PlaceLight& light, const 
             coated[std::size_t{v} * all[0] + u] = true;
             passes = passes || lobes.coats.through != glm::dvec3(0.0);
         }
-    CoatedCells cells = cells_of(coated, all, least_step);
+    // Which way light passes curved surfaces changes from place to place, twice as fast as their normal
+    // for the same mirrored direction.
+    const std::uint32_t side = passes ? 12 : 16;
+    const std::size_t most_cells = passes ? 2048 : 1024;
+    CoatedCells cells = cells_of(coated, all, passes ? 2 : 4);
     if (cells.coated == 0)
         return std::optional<LayerTexture>();
     while (cells.coated > most_cells)
         cells = cells_of(coated, all, 2 * cells.step);
-    const std::uint32_t side = passes ? 24 : 16;
     const auto samples = static_cast<unsigned>(std::clamp<double>(
         static_cast<double>(options.paths) / static_cast<double>(cells.coated * side * side), 8.0,
         64.0));
@@ -152,11 +162,12 @@ bake_difference_layer(const ModelPlaces& places, const PlaceLight& light, const 
             const std::size_t cell = std::size_t{v} * cells.size[0] + u;
             texture.mask[cell] = std::byte{1};
             const CellOfPlaces group(places, light, tracer, nearest, texels, samples,
-                                     mix_bits(options.seed + difference_paths), options.exposure);
+                                     mix_bits(options.seed + difference_paths) + cell,
+                                     options.exposure);
             for (std::uint32_t t = 0; t < side; ++t)
                 for (std::uint32_t s = 0; s < side; ++s) {
                     glm::vec3& value = values[(cell * side + t) * side + s];
-                    value = group.difference((s + 0.5) / side, (t + 0.5) / side);
+                    value = group.difference(s, t, side);
                     squares[v] += static_cast<double>(glm::dot(value, value)) / 3.0;
                 }
         }

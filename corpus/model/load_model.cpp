@@ -29,6 +29,7 @@ Reader reader_of(const std::string& path) {
     return suffix == "gltf" || suffix == "glb" ? read_gltf
            : suffix == "obj"                   ? read_obj
            : suffix == "ply"                   ? read_ply
+           : suffix == "stl"                   ? read_stl
                                                : nullptr;
 }
 
@@ -68,7 +69,7 @@ std::string folder_of(const std::string& path) {
 
 Result<Model> load_model(const std::string& path) {
     if (!is_model_path(path))
-        return Status(ErrorCode::bad_argument, path + ": not a .gltf, .glb, .obj or .ply");
+        return Status(ErrorCode::bad_argument, path + ": not a .gltf, .glb, .obj, .ply or .stl");
     // The libraries throw exceptions.
     try {
         Result<Model> model = load(path);

@@ -165,7 +165,7 @@ inline glm::dvec3 area_vector(const Model& model, const ModelTriangle& triangle)
                       glm::dvec3(model.vertices[c].position) - p);
 }
 
-// Reads a model. The suffix states its kind: .gltf and .glb (glTF 2.0), .obj or .ply. The model is
+// Reads a model. The suffix states its kind: .gltf and .glb (glTF 2.0), .obj, .ply or .stl. The model is
 // moved and scaled to fill the paper's sphere, radius 3.5 around the origin. Extensions of glTF
 // that are read: KHR_draco_mesh_compression, EXT_meshopt_compression, KHR_mesh_quantization,
 // KHR_texture_transform, KHR_lights_punctual, EXT_mesh_gpu_instancing, EXT_texture_webp, and

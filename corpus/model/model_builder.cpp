@@ -11,7 +11,6 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr std::size_t most_triangles = std::size_t{1} << 22;
 constexpr float largest_coordinate = 1e15f; // squares of differences stay finite
 
 template <class Vector> bool is_sound(const Vector& x) {

@@ -7,6 +7,8 @@
 
 namespace tessera::corpus {
 
+constexpr std::size_t most_triangles = std::size_t{1} << 22; // of a model
+
 // A part of a model as a file has it. Vectors of absent attributes are empty.
 struct ModelPart {
     std::string name; // for messages: "mesh 0, primitive 2"

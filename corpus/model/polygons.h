@@ -1,4 +1,4 @@
-// Polygons as in .obj and .ply files: a corner has separate indices of its position, its texture
+// Polygons as in .obj, .ply and .stl files: a corner has separate indices of its position, its texture
 // coordinates and its normal.
 #pragma once
 

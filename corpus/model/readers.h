@@ -13,6 +13,7 @@ constexpr std::size_t most_model_bytes = std::size_t{1} << 31; // per file
 Status read_gltf(const std::string& path, ModelBuilder& builder); // .gltf, .glb
 Status read_obj(const std::string& path, ModelBuilder& builder);
 Status read_ply(const std::string& path, ModelBuilder& builder);
+Status read_stl(const std::string& path, ModelBuilder& builder);
 
 // Decodes a glTF primitive that is a Draco stream into `part`. Errors: invalid_file; unsupported
 // (too large).

@@ -1,4 +1,4 @@
-// Lines, words and numbers of text files: .obj, .mtl and ASCII .ply.
+// Lines, words and numbers of text files: .obj, .mtl, ASCII .ply and .stl.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 #include "corpus/trace/tracer.h"
+#include "corpus/trace/rough_wall.h"
 
 #include <cmath>
 #include <limits>
@@ -138,6 +139,13 @@ glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& r
     if (light_.sun)
         add(light_.sun->irradiance, light_.sun->direction, lobe(light_.sun->direction).share);
     return sum + lamps(start, lobe, random);
+}
+
+glm::dvec3 Tracer::direct_from_behind(const LitPoint& point, const glm::dvec3& view,
+                                      PathRandom& random) const {
+    if (!is_rough_wall(point))
+        return glm::dvec3(0.0);
+    return direct(other_side(point), RoughWallLobe{point, view}, random);
 }
 
 template <class Lobe>
@@ -348,7 +356,7 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
         if (largest_channel(p.emission) > 0.0)
             sum += share * p.emission / divisor(emitter_density(origin, direction, hit));
         const BothLobes lobes(p, view);
-        sum += share * direct(p, lobes, random);
+        sum += share * (direct(p, lobes, random) + direct_from_behind(p, view, random));
         const double passes = passing_chance(p, view);
         glm::dvec3 start = start_of(p);
         if (passes > 0.0 && random.next() < passes) {
@@ -364,7 +372,7 @@ glm::dvec3 Tracer::arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, do
                     p.lobes.coats
                         .through_alpha); // otherwise direct() saw the same light through the wall
                 origin = start;
-                density = infinite;
+                density = passed.density;
             }
             direction = passed.direction;
         } else {

@@ -134,10 +134,16 @@ private:
     // Where a ray that came against `view` and passed the surface goes on.
     struct PassedRay {
         glm::dvec3 origin{0.0}, direction{0.0};
-        glm::dvec3 share{0.0};    // what is left of its light
+        glm::dvec3 share{0.0}; // what is left of its light
+        // Of its direction, if direct_from_behind() counts light that comes along it.
+        double density = std::numeric_limits<double>::infinity();
         bool is_straight = false; // through a clear wall
     };
     PassedRay pass(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
+    // The light of direct() that arrives at the other side of a rough wall and leaves along `view`; 0 for
+    // other surfaces.
+    glm::dvec3 direct_from_behind(const LitPoint& point, const glm::dvec3& view,
+                                  PathRandom& random) const;
     // From a place within a volume to where the ray leaves it.
     PassedRay leave_volume(PassedRay ray, const LitPoint& entry, PathRandom& random) const;
     // How often a ray passes instead of being reflected.

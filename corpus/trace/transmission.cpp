@@ -1,4 +1,5 @@
 // Light that passes surfaces: KHR_materials_transmission, KHR_materials_volume and blending.
+#include "corpus/trace/rough_wall.h"
 #include "corpus/trace/tracer.h"
 
 #include <cmath>
@@ -6,10 +7,9 @@
 namespace tessera::corpus {
 namespace {
 
-constexpr double clear_wall_alpha = 0.0025; // a roughness of 0.05: smoother walls are clear
-constexpr int most_clear_walls = 64;        // on the way of a shadow ray
-constexpr int most_inner_bounces = 32;      // within a volume
-constexpr int sure_inner_bounces = 4;       // later ones are subject to Russian roulette
+constexpr int most_clear_walls = 64;   // on the way of a shadow ray
+constexpr int most_inner_bounces = 32; // within a volume
+constexpr int sure_inner_bounces = 4;  // later ones are subject to Russian roulette
 
 double largest_share(const glm::dvec3& x) {
     return std::max({x.x, x.y, x.z});
@@ -20,19 +20,10 @@ double shadowing(double alpha, double nl, double nv) {
     return 2.0 * nl * (nv + smith_root(alpha, nv)) * smith_visibility(alpha, nl, nv);
 }
 
-bool is_clear(const LitPoint& p) {
-    const Coats& coats = p.lobes.coats;
-    return !coats.is_volume && coats.through_alpha <= clear_wall_alpha;
-}
-
 // The share of light that goes straight through a clear wall.
 glm::dvec3 clear_share(const LitPoint& p, const glm::dvec3& view) {
     return p.lobes.coats.through * (glm::dvec3(1.0) - fresnel(p.lobes, glm::dot(p.normal, view))) *
            below_coats(p, view);
-}
-
-bool passes_light(const LitPoint& p) {
-    return p.lobes.has_coats && largest_share(p.lobes.coats.through) > 0.0;
 }
 
 // The direction that a facet bends `view` to; nothing if it reflects all light. `ratio`: the index
@@ -69,7 +60,7 @@ glm::dvec3 Tracer::passing_share(const glm::dvec3& start, const glm::dvec3& dire
             return share;
         const LitPoint p = facing(model_->point(*hit), -direction);
         glm::dvec3 left(1.0 - p.opacity);
-        if (passes_light(p) && is_clear(p))
+        if (is_clear_wall(p))
             left += p.opacity * clear_share(p, -direction);
         share *= left;
         if (!(largest_share(share) > 0.0))
@@ -82,24 +73,26 @@ glm::dvec3 Tracer::passing_share(const glm::dvec3& start, const glm::dvec3& dire
 Tracer::PassedRay Tracer::pass(const LitPoint& point, const glm::dvec3& view,
                                PathRandom& random) const {
     const Coats& coats = point.lobes.coats;
-    if (is_clear(point))
-        return {point.position - view * off, -view, clear_share(point, view), true};
+    if (is_clear_wall(point))
+        return {.origin = point.position - view * off,
+                .direction = -view,
+                .share = clear_share(point, view),
+                .is_straight = true};
     PassedRay ray{.origin = point.position - point.face * off};
+    if (is_rough_wall(point)) {
+        const RoughWallLobe lobe{point, view};
+        ray.direction = lobe.sample(random);
+        if (const Thrown thrown = lobe(ray.direction); thrown.density > 0.0) {
+            ray.share = thrown.share / thrown.density;
+            ray.density = thrown.density;
+        }
+        return ray;
+    }
     const double alpha = coats.through_alpha, nv = glm::dot(point.normal, view);
     const glm::dvec3 facet = sample_facet(glm::dvec2(alpha), point.normal,
                                           any_tangent(point.normal), view, random.next2());
     const glm::dvec3 left = (glm::dvec3(1.0) - fresnel(point.lobes, glm::dot(view, facet))) *
                             coats.through * below_coats(point, view);
-    if (!coats.is_volume) { // the mirrored lobe, on the other side
-        const glm::dvec3 l = 2.0 * glm::dot(view, facet) * facet - view;
-        const double nl = glm::dot(point.normal, l);
-        if (nl <= 0.0)
-            return ray;
-        ray.direction = l - 2.0 * nl * point.normal;
-        if (glm::dot(ray.direction, point.face) < 0.0)
-            ray.share = left * shadowing(alpha, nl, nv);
-        return ray;
-    }
     const auto inwards = refracted(view, facet, 1.0 / coats.ior);
     if (!inwards)
         return ray;
@@ -171,12 +164,13 @@ glm::dvec3 Tracer::transmitted(const LitPoint& point, const glm::dvec3& view,
     }
     if (!passes_light(point))
         return sum;
+    sum += point.opacity * direct_from_behind(point, view, random);
     const PassedRay ray = pass(point, view, random);
     if (!(largest_share(ray.share) > 0.0))
         return sum;
     return sum + point.opacity * ray.share *
                      arriving(ray.origin, ray.direction,
-                              next_hit(ray.origin, ray.direction, random), infinite,
+                              next_hit(ray.origin, ray.direction, random), ray.density,
                               ray.is_straight ? 0.0 : point.lobes.coats.through_alpha, random,
                               ray.is_straight ? light_.backdrop : std::nullopt);
 }

@@ -236,6 +236,25 @@ TEST(ModelLayers, WhatLobesCannotShowIsALayerOfDifferences) {
         }
 }
 
+// Light above white that passes glass is stored above white, so that noise does not make it darker.
+TEST(ModelLayers, BrightLightBehindRoughGlassHasHeadroom) {
+    Model model = ball_model(8);
+    ModelMaterial& m = model.materials[0];
+    m.metal = 0.0;
+    m.base = {1, 1, 1, 1};
+    m.coats = ModelCoats{};
+    m.coats->through = 1.0;
+    m.roughness = 0.5;
+    ModelLayersOptions options = quick();
+    options.texels = 1000;
+    options.light.diffuse_samples = 8;
+    options.exposure = 3.0;
+    const ModelLayers layers = baked(model, white_light(), options);
+    const LayerTexture& difference = layer(layers, LayerRole::difference);
+    EXPECT_GT(difference.scale, 0.2);
+    EXPECT_LE(difference.scale, 1.3);
+}
+
 // Scans are often unlit (KHR_materials_unlit): nothing but their colour is seen.
 TEST(ModelLayers, UnlitSurfacesShowTheirColourAlone) {
     Model model = ball_model(8);

@@ -441,8 +441,8 @@ TEST_F(Models, HostileObjIsRefused) {
 }
 
 TEST_F(Models, UnknownKindsAndMissingFiles) {
-    EXPECT_EQ(load("a.stl", "").status().code(), ErrorCode::bad_argument);
-    for (const char* name : {"no.gltf", "no.obj", "no.ply"}) {
+    EXPECT_EQ(load("a.step", "").status().code(), ErrorCode::bad_argument);
+    for (const char* name : {"no.gltf", "no.obj", "no.ply", "no.stl"}) {
         const auto model = load_model((folder_ / name).string());
         ASSERT_FALSE(model.ok());
         EXPECT_EQ(model.status().code(), ErrorCode::io) << model.status().message();

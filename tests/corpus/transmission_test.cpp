@@ -157,6 +157,31 @@ TEST(Transmission, ClearWallsCastTintedShadows) {
     }
 }
 
+// Directions that are chosen by the wall's lobe alone would meet a small lamp by chance, and a bulb
+// never.
+TEST(Transmission, RoughWallsLetLightOfLampsPassWithLittleNoise) {
+    Model model;
+    model.materials = {glass({1.0, 0.5, 1.0}, 1.0)};
+    model.materials[0].roughness = 0.5;
+    add_square(model, 2, 0, false, 0);
+    LightImage sky{.width = 64, .height = 32, .texels = std::vector<glm::vec3>(64 * 32)};
+    sky.texels[28 * 64 + 20] = glm::vec3(1000.0f); // below
+    const ModelLamp bulb{.kind = ModelLamp::Kind::point, .position = {0, -3, 0}};
+    const ModelLight lights[] = {{std::make_shared<const Environment>(sky)},
+                                 {uniform_environment(0.0f), {}, {bulb}}};
+    for (const ModelLight& light : lights)
+        for (const double second : {0.0, -1.0}) { // another wall below it, or none
+            Model walls = model;
+            if (second < 0.0)
+                add_square(walls, 2, static_cast<float>(second), false, 0);
+            const Tracer tracer = tracer_of(walls, light);
+            const glm::dvec3 few = seen(tracer, {0.3, 5, 0.2}, below, 128);
+            const glm::dvec3 many = seen(tracer, {0.3, 5, 0.2}, below, 1 << 15);
+            EXPECT_GT(many.x, 1e-3);
+            EXPECT_NEAR(few.x, many.x, 0.2 * many.x);
+        }
+}
+
 // Shadow rays bring the light of an environment through clear walls. It is no light of the model.
 TEST(Transmission, LightThatPassesAClearWallIsNotOfTheModel) {
     Model model;

@@ -1,4 +1,4 @@
-// Models. The first byte says which kind (g: .gltf, b: .glb, o: .obj, p: .ply), the rest is the file.
+// Models. The first byte says which kind (g: .gltf, b: .glb, o: .obj, p: .ply, s: .stl), the rest is the file.
 #include "corpus/model/model.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/support/model_files.h"
@@ -16,6 +16,8 @@ const char* ending_of(char kind) {
         return ".glb";
     case 'p':
         return ".ply";
+    case 's':
+        return ".stl";
     default:
         return ".obj";
     }
@@ -77,7 +79,13 @@ std::vector<Bytes> seeds() {
             "end_header\n" +
             std::string("\0\0\0\0\0\0\0\1\1\1\1\0\0\0\0\0\0\2\2\2\0\0\1\0\0\0\0\3\3\3"
                         "\1\0\1\0\0\0\0\4\4\4\4\0\0\0\1\0\2\0\3",
-                        49))};
+                        49)),
+        bytes_of("ssolid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+                 "vertex 0 1 0\nendloop\nendfacet\nendsolid a\n"),
+        bytes_of("s" + std::string(80, ' ') + std::string("\1\0\0\0", 4) + std::string(12, '\0') +
+                 std::string("\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\0\0\0\0\0\0"
+                             "\0\0\0\0\0\0\x80\x3f\0\0\0\0\1\0",
+                             38))};
 }
 
 void run(const std::uint8_t* data, std::size_t size) {

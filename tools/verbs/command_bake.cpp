@@ -212,7 +212,8 @@ constexpr const char* mesh_heading = "On a mesh (--proxy mesh, and models)";
 
 void declare(CLI::App& c, BakeCommand& a) {
     add_rate_options(c, a.encode); // the first heading
-    c.add_option("scene", a.scene, "Name of a built-in scene, or a model: .gltf, .glb, .obj, .ply");
+    c.add_option("scene", a.scene,
+                 "Name of a built-in scene, or a model: .gltf, .glb, .obj, .ply, .stl");
     c.add_option("-o,--output", a.output,
                  ".tess (- is one on standard output), .glb, .exr, raw samples (.rgb), folder/");
     c.add_flag("--list", a.list, "List the built-in scenes and stop");

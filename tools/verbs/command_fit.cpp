@@ -50,7 +50,7 @@ Status check_fit(const FitCommand& a) {
     TESSERA_TRY(check_surface(a));
     if (!a.mesh.empty() && !corpus::is_model_path(a.mesh))
         return {ErrorCode::bad_argument,
-                "--mesh " + a.mesh + ": not a .gltf, .glb, .obj or .ply model"};
+                "--mesh " + a.mesh + ": not a .gltf, .glb, .obj, .ply or .stl model"};
     // Wrong rates shall not be found after minutes of work.
     TESSERA_TRY_ASSIGN(const EncodeOptions options,
                        make_encode_options(a.encode, a.texture.threads, {}, {}));
@@ -82,8 +82,9 @@ void declare(CLI::App& c, FitCommand& a) {
                  "A transforms.json of NeRF or nerfstudio, a COLMAP model, or a folder with one")
         ->option_text("PHOTOS");
     c.add_option("-o,--output", a.output, "The .tess file");
-    c.add_option("--mesh", a.mesh,
-                 "The object's surface: .gltf, .glb, .obj or .ply, in the frame of the cameras")
+    c.add_option(
+         "--mesh", a.mesh,
+         "The object's surface: .gltf, .glb, .obj, .ply or .stl, in the frame of the cameras")
         ->option_text("MODEL");
     c.add_option("--surface", a.surface,
                  "Without a mesh: a sphere around the object, or planar views through a window, "
