@@ -154,6 +154,7 @@ Result<Model> in_order_of(const Model& model, const SurfaceMesh& mesh, unsigned 
         const ModelTriangle& from = model.triangles[match->triangle];
         ModelTriangle triangle;
         triangle.material = from.material;
+        triangle.is_back = from.is_back;
         for (std::size_t k = 0; k < 3; ++k) {
             triangle.vertices[k] = static_cast<std::uint32_t>(ordered.vertices.size());
             ordered.vertices.push_back(model.vertices[from.vertices[(k + match->turn) % 3]]);
