@@ -222,7 +222,9 @@ void declare(CLI::App& c, BakeCommand& a) {
                 "Bake colours, gloss, bumps, shadows and reflections into layers of their own, "
                 "which are sharp close by in few bytes. Default: a trial with a few paths decides");
     layers.flag("--single", a.single, "Bake one texture of all light instead");
-    layers.option("--texels", "N", a.texels, "Texels of a layer of colours. Default: 1000000",
+    layers.option("--texels", "N", a.texels,
+                  "Texels of a layer of colours. Default: 1000000, or 4000000 if the model's "
+                  "pictures have at least as many",
                   number_between(1024, 67108864));
     layers.option("--lights", "N", a.lights,
                   "Lights that stand for the environment; 0: none, reflections hold all light. "
