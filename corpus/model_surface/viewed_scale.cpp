@@ -21,8 +21,8 @@ constexpr double least_radius = 1.0 / 2048; // of the extent
 constexpr double short_side = 0.6;          // of the radius; shorter triangles have one share
 constexpr int share_steps = 3;              // between places along each side of longer ones
 constexpr double least_share_of_back = 0.25;
-constexpr double few_saved = 0.995;         // of the texels of equal shares; then all are 1
-constexpr double even_texels = 0.25;        // the part of all texels that does not follow the view
+constexpr double few_saved = 0.995;  // of the texels of equal shares; then all are 1
+constexpr double even_texels = 0.25; // the part of all texels that does not follow the view
 
 struct Edge {
     glm::vec3 from, to;
