@@ -3,6 +3,7 @@
 #include "corpus/layers/difference_layer.h"
 #include "corpus/layers/distant_lights.h"
 #include "corpus/layers/environment_layer.h"
+#include "corpus/layers/layer_density.h"
 #include "corpus/layers/light_layers.h"
 #include "corpus/layers/material_layers.h"
 #include "corpus/layers/sharp_reflections.h"
@@ -68,14 +69,18 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     const Model& model = cut ? *cut : whole;
     ModelAtlasOptions layout;
     layout.viewed = &viewed;
-    const double step = options.light_texel;
+    LayerDensity density = layer_density(
+        whole, options.density > 0.0 ? surface_area(whole) * options.density * options.density
+                                     : options.texels);
+    const std::uint32_t light_texel = options.light_texel.value_or(density.light_texel);
+    const double step = light_texel;
     layout.density = options.density / step;
-    layout.texels = options.texels / (step * step);
+    layout.texels = density.texels / (step * step);
     layout.finer = step;
     layout.tile = {16, 16};
     // Whole tiles of the finest layers. Those of other sides would begin at odd texels, across
     // charts, and without mips.
-    layout.side_step = std::max(LayerTexture().tile[axis_u] / options.light_texel, 1u);
+    layout.side_step = std::max(LayerTexture().tile[axis_u] / light_texel, 1u);
     const bool sharp = reflects_sharply(model);
     layout.position_bits = position_bits(model, viewed, options);
     TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_layer_atlas(model, layout, options.normal_bits));
@@ -85,7 +90,7 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     out.charts = atlas.charts.size();
     out.density = atlas.density * step;
     TESSERA_TRY_ASSIGN(const ModelPlaces coarse, ModelPlaces::make(std::move(atlas)));
-    TESSERA_TRY_ASSIGN(const ModelPlaces fine, coarse.finer(options.light_texel));
+    TESSERA_TRY_ASSIGN(const ModelPlaces fine, coarse.finer(light_texel));
     const Tracer tracer(coarse.model(), light);
     // Without lights in the file, they still spread the rays evenly over the environment.
     const DistantLights lights(light,
@@ -99,9 +104,8 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     TESSERA_TRY_ASSIGN(const PlaceLight places,
                        PlaceLight::make(coarse, tracer, lights, gathering, options.run));
     out.noise = places.noise();
-    TESSERA_TRY_ASSIGN(out.layers,
-                       bake_material_layers(fine, places, tracer, nearest, options.light_texel,
-                                            options.exposure, options.run));
+    TESSERA_TRY_ASSIGN(out.layers, bake_material_layers(fine, places, tracer, nearest, light_texel,
+                                                        options.exposure, options.run));
     if (!mirrors)
         return out;
     if (!out.lights.empty()) {
@@ -114,7 +118,7 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     const ReflectionLayout mirrored =
         reflection_layout(model, sharp, static_cast<double>(texels[0]) * texels[1]);
     const ReflectionOptions reflection{
-        .cell = std::max(mirrored.texel / options.light_texel, 1u),
+        .cell = std::max(mirrored.texel / light_texel, 1u),
         .directions =
             options.directions.value_or(Texels2{mirrored.directions, mirrored.directions}),
         .samples = std::max(options.samples / mirrored.fewer_paths, 1u),

@@ -10,10 +10,11 @@
 namespace tessera::corpus {
 
 struct ModelLayersOptions {
-    double texels = 1'000'000; // of the layers with one direction
-    double density = 0;        // texels per world unit; 0: such that the surface has `texels`
+    std::optional<double>
+        texels{};       // of the layers with one direction; else those of layer_density()
+    double density = 0; // texels per world unit; 0: such that the surface has `texels`
     unsigned lights = 16;
-    std::uint32_t light_texel = 2;       // texels along a side of one of the visibility
+    std::optional<std::uint32_t> light_texel{}; // else that of layer_density()
     std::optional<Texels2> directions{}; // of the reflection; else those of reflection_layout()
     unsigned samples = 64;               // paths per texel of the reflection, on rough surfaces
     PlaceLightOptions light;

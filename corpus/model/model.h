@@ -110,6 +110,7 @@ struct ModelVertex {
 struct ModelTriangle {
     std::array<std::uint32_t, 3> vertices; // counter-clockwise, seen from outside
     std::uint32_t material = 0;
+    bool is_back = false; // of a triangle of a double-sided material, from with_both_sides()
 };
 
 // A light without size (KHR_lights_punctual).

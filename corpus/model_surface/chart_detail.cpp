@@ -10,8 +10,6 @@ namespace {
 // Texels of a layer for each texel of a picture along a side. Texels of both lie askew, so as many
 // would blur the picture.
 constexpr double oversampling = 1.4;
-// Charts shrink at most so much, because shadows need texels, too.
-constexpr double least_share = 0.5;
 
 double doubled(const glm::dvec2& p, const glm::dvec2& q) {
     return std::abs(p.x * q.y - p.y * q.x);
@@ -26,17 +24,6 @@ double picture_texels(const Model& model, const ModelTriangle& triangle, const T
     for (std::size_t k = 0; k < 3; ++k)
         uv[k] = use.turn * glm::dvec2(model.vertices[triangle.vertices[k]].uv[use.uv]);
     return 0.5 * doubled(uv[1] - uv[0], uv[2] - uv[0]) * image.width * image.height;
-}
-
-// Those of the material's finest picture.
-double material_texels(const Model& model, const ModelTriangle& triangle) {
-    const ModelMaterial& m = model.materials[triangle.material];
-    double most = 0;
-    for (const TextureUse* use :
-         {&m.base_texture, &m.metal_roughness_texture, &m.normal_texture, &m.emission_texture,
-          &m.specular_texture, &m.specular_colour_texture})
-        most = std::max(most, picture_texels(model, triangle, *use));
-    return most;
 }
 
 struct ChartDetail {
@@ -57,10 +44,20 @@ ChartDetail detail_of(const FlatChart& chart, const Model& model) {
 // The density of a chart where charts have at most `most`.
 double density_of(const ChartDetail& chart, double most, double finer) {
     const double viewed = chart.share * most;
-    return std::clamp(oversampling / finer * chart.density, least_share * viewed, viewed);
+    return std::clamp(oversampling / finer * chart.density, least_detail_share * viewed, viewed);
 }
 
 } // namespace
+
+double material_texels(const Model& model, const ModelTriangle& triangle) {
+    const ModelMaterial& m = model.materials[triangle.material];
+    double most = 0;
+    for (const TextureUse* use :
+         {&m.base_texture, &m.metal_roughness_texture, &m.normal_texture, &m.emission_texture,
+          &m.specular_texture, &m.specular_colour_texture})
+        most = std::max(most, picture_texels(model, triangle, *use));
+    return most;
+}
 
 double shrink_to_detail(std::vector<FlatChart>& charts, const Model& model, double texels,
                         double finer) {
@@ -71,7 +68,7 @@ double shrink_to_detail(std::vector<FlatChart>& charts, const Model& model, doub
         viewed += details.back().area * std::pow(chart.share, 2);
     }
     // At the lower bound no chart has shrunk, at the upper one all have as much as they may.
-    double density = std::sqrt(texels / viewed), most = density / least_share;
+    double density = std::sqrt(texels / viewed), most = density / least_detail_share;
     for (int step = 0; step < 40; ++step) {
         const double middle = 0.5 * (density + most);
         double sum = 0;

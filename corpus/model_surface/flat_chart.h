@@ -27,9 +27,13 @@ std::vector<FlatChart> cut_flat(const Model& model, std::span<const double> shar
 // Sets FlatChart::sides to those of other positions of the triangles.
 void measure_sides(FlatChart& chart, const Model& model);
 
+// A density, at most `density`, at which gutters do not take much more than half of `texels`: loose
+// triangles have a chart each.
+double density_with_gutters(const std::vector<FlatChart>& charts, double density, double texels);
+
 // Packs the charts at `density` texels per world unit. Large charts start at multiples of the tile;
-// small ones share a tile. Error: unsupported (too large for an atlas).
-Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density,
-                          const Texels2& tile);
+// small ones share a tile. The sides of the atlas are multiples of `side_step`. Error: unsupported (too large for an atlas).
+Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density, const Texels2& tile,
+                          std::uint32_t side_step = 1);
 
 } // namespace tessera::corpus

@@ -154,6 +154,7 @@ Result<Model> in_order_of(const Model& model, const SurfaceMesh& mesh, unsigned 
         const ModelTriangle& from = model.triangles[match->triangle];
         ModelTriangle triangle;
         triangle.material = from.material;
+        triangle.is_back = from.is_back;
         for (std::size_t k = 0; k < 3; ++k) {
             triangle.vertices[k] = static_cast<std::uint32_t>(ordered.vertices.size());
             ordered.vertices.push_back(model.vertices[from.vertices[(k + match->turn) % 3]]);
@@ -231,13 +232,14 @@ Result<ModelAtlas> make_model_atlas(const Model& model, const ModelAtlasOptions&
     move_to(atlas.model, decoded);
     for (FlatChart& chart : flat)
         measure_sides(chart, atlas.model);
-    if (follows_detail)
+    if (follows_detail) {
         atlas.density = shrink_to_detail(flat, atlas.model, options.texels, options.finer);
-    TESSERA_TRY_ASSIGN(Atlas packed, pack_charts(flat, atlas.density, options.tile));
+        atlas.density = density_with_gutters(flat, atlas.density, options.texels);
+    }
+    TESSERA_TRY_ASSIGN(Atlas packed,
+                       pack_charts(flat, atlas.density, options.tile, options.side_step));
     atlas.charts = std::move(packed.charts);
-    for (std::size_t a = 0; a < 2; ++a)
-        atlas.size[a] =
-            (packed.size[a] + options.side_step - 1) / options.side_step * options.side_step;
+    atlas.size = packed.size;
     TESSERA_TRY_ASSIGN(atlas.stream, add_charts(shape, charts_of(flat, atlas, model.frame)));
     TESSERA_TRY_ASSIGN(in_file, decode_mesh(atlas.stream, most_mesh_bytes));
     atlas.mesh = in_frame(std::move(in_file), model.frame);

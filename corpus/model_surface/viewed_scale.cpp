@@ -1,5 +1,6 @@
 #include "corpus/model_surface/viewed_scale.h"
 
+#include "corpus/model_surface/chart_detail.h"
 #include "corpus/model_surface/facets.h"
 #include "corpus/model_surface/triangle_sides.h"
 
@@ -19,8 +20,9 @@ constexpr double tolerance = 4.0;
 constexpr double least_radius = 1.0 / 2048; // of the extent
 constexpr double short_side = 0.6;          // of the radius; shorter triangles have one share
 constexpr int share_steps = 3;              // between places along each side of longer ones
-constexpr double few_saved = 0.995;         // of the texels of equal shares; then all are 1
-constexpr double even_texels = 0.25;        // the part of all texels that does not follow the view
+constexpr double least_share_of_back = 0.25;
+constexpr double few_saved = 0.995;  // of the texels of equal shares; then all are 1
+constexpr double even_texels = 0.25; // the part of all texels that does not follow the view
 
 struct Edge {
     glm::vec3 from, to;
@@ -128,6 +130,18 @@ double ViewedScale::radius_at(const glm::dvec3& place) const {
     return std::max(std::sqrt(static_cast<double>(*held)), least);
 }
 
+double ViewedScale::share_of_back(const glm::dvec3& place, const glm::dvec3& normal) const {
+    const double margin = least_radius * extent_;
+    double before = 0, behind = 0;
+    for (const glm::vec3& sample : samples_) {
+        const double height = glm::dot(glm::dvec3(sample) - place, normal);
+        before += height > margin ? 1.0 : 0.0;
+        behind += height < -margin ? 1.0 : 0.0;
+    }
+    const double few = static_cast<double>(samples_.size()) / share_held + 1.0;
+    return std::clamp((before + few) / (behind + few), least_share_of_back, 1.0);
+}
+
 double ViewedScale::share_at(const glm::dvec3& place) const {
     return std::min(1.0, nearest_ / radius_at(place));
 }
@@ -158,16 +172,27 @@ std::vector<double> viewed_shares(const Model& model, const ViewedScale& scale) 
             sum += share;
         means.push_back(sum / static_cast<double>(shares.size()));
     }
-    const std::vector<double> areas = doubled_areas(model);
-    const double least = least_share_of(means, areas);
+    // What they need at a share of 1: twice the area, less for backs and without pictures.
+    std::vector<double> needs = doubled_areas(model), backs(means.size(), 1.0);
+    for (std::size_t i = 0; i < means.size(); ++i) {
+        const ModelTriangle& triangle = model.triangles[i];
+        if (triangle.is_back)
+            backs[i] = scale.share_of_back(place_on(model, triangle, {1.0 / 3.0, 1.0 / 3.0}),
+                                           glm::normalize(area_vector(model, triangle)));
+        needs[i] *= backs[i] * backs[i];
+        if (material_texels(model, triangle) == 0.0)
+            needs[i] *= least_detail_share * least_detail_share;
+    }
+    const double least = least_share_of(means, needs);
     double texels = 0, most = 0;
     for (std::size_t i = 0; i < means.size(); ++i) {
         means[i] = std::max(means[i], least);
-        texels += areas[i] * means[i] * means[i];
-        most += areas[i];
+        texels += needs[i] * means[i] * means[i];
+        most += needs[i];
+        means[i] *= backs[i];
     }
     if (texels > few_saved * most)
-        std::ranges::fill(means, 1.0);
+        means = backs;
     return means;
 }
 

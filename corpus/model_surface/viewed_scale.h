@@ -17,6 +17,9 @@ public:
     double radius_at(const glm::dvec3& place) const;
     // The density of texels that the place needs, relative to the finest one: 0..1.
     double share_at(const glm::dvec3& place) const;
+    // How much less the back of a sheet is viewed than its front: the ratio of the edges before
+    // it, which observers come near, to those before the front. At most 1.
+    double share_of_back(const glm::dvec3& place, const glm::dvec3& normal_of_back) const;
     // That at places all over a triangle, or in the middle of one that is small against the radius.
     std::vector<double> shares_on(const Model& model, const ModelTriangle& triangle) const;
     // The radius at which the share falls below 1.
@@ -31,8 +34,8 @@ private:
 };
 
 // For each triangle, the mean of its shares. Far ones are raised until all triangles have a part of
-// the texels that does not depend on the distance, because observers look at the whole, too. All are
-// 1 if that would save next to no texels.
+// the texels that does not depend on the distance, because observers look at the whole, too. The
+// distance does not count if it would save next to no texels.
 std::vector<double> viewed_shares(const Model& model, const ViewedScale& scale);
 
 } // namespace tessera::corpus

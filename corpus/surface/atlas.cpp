@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <stb/stb_rect_pack.h>
 
 namespace tessera::corpus {
@@ -25,12 +26,19 @@ std::uint32_t tiles_for(double texels, std::uint32_t tile) {
     return std::max(1u, static_cast<std::uint32_t>(std::ceil(texels / tile - most_shrink)));
 }
 
+std::uint32_t rounded_up(std::uint32_t side, std::uint32_t step) {
+    return (side + step - 1) / step * step;
+}
+
 struct RectPacking {
     std::vector<Texels2> places; // lower corners, in the order of the input
     Texels2 size{0, 0};
 };
 
 constexpr int most_side = 1 << 15;
+constexpr std::uint32_t most_widths = 128; // tried
+// Taller packings are at most four times as tall as they are wide: graphics processors limit sides.
+constexpr std::uint32_t most_slim = 256;
 
 // Packs into a strip of this width with the skyline heuristic. Returns the height, or 0 on failure.
 std::uint32_t pack_into(std::vector<stbrp_rect>& rectangles, std::uint32_t width) {
@@ -46,11 +54,11 @@ std::uint32_t pack_into(std::vector<stbrp_rect>& rectangles, std::uint32_t width
     return height;
 }
 
-// Packs rectangles with sides above 0 into the smallest rectangle that the search finds. The result
-// is the same on every machine. Error: unsupported (no packing below 2^15 per side).
-Result<RectPacking> pack_rectangles(std::span<const Texels2> sides) {
+// Packs rectangles with sides above 0 into the smallest rectangle that the search finds, whose sides
+// are multiples of `steps`. The result is the same on every machine. Error: unsupported (no packing below 2^15 per side).
+Result<RectPacking> pack_rectangles(std::span<const Texels2> sides, const Texels2& steps) {
     std::vector<stbrp_rect> rectangles;
-    std::uint32_t widest = 1;
+    std::uint32_t widest = 1, tallest = most_slim;
     double area = 0;
     for (const auto& [w, h] : sides) {
         if (w > most_side || h > most_side)
@@ -62,19 +70,22 @@ Result<RectPacking> pack_rectangles(std::span<const Texels2> sides) {
                               .y = 0,
                               .was_packed = 0});
         widest = std::max(widest, w);
+        tallest = std::max(tallest, h);
         area += static_cast<double>(w) * h;
     }
     RectPacking best;
     std::uint64_t least = UINT64_MAX;
     const auto square = static_cast<std::uint32_t>(std::ceil(std::sqrt(area)));
     const std::uint32_t last = std::min<std::uint32_t>(std::max(widest, 2 * square), most_side);
-    for (std::uint32_t width = widest; width <= last; ++width) {
+    const std::uint32_t step = (last - widest) / most_widths + 1;
+    for (std::uint32_t width = widest; width <= last; width += step) {
         const std::uint32_t height = pack_into(rectangles, width);
-        const std::uint64_t size = std::uint64_t{width} * height;
-        if (height == 0 || size >= least)
+        const std::uint64_t size =
+            std::uint64_t{rounded_up(width, steps[0])} * rounded_up(height, steps[1]);
+        if (height == 0 || size >= least || height > std::max(tallest, 4 * width))
             continue;
         least = size;
-        best.size = {width, height};
+        best.size = {rounded_up(width, steps[0]), rounded_up(height, steps[1])};
         best.places.resize(sides.size());
         for (const stbrp_rect& r : rectangles)
             best.places[static_cast<std::size_t>(r.id)] = {static_cast<std::uint32_t>(r.x),
@@ -107,7 +118,10 @@ Result<Atlas> make_atlas(std::span<const Patch> patches, const AtlasOptions& opt
         tiles.push_back(count);
         atlas.charts.push_back(chart);
     }
-    TESSERA_TRY_ASSIGN(const RectPacking packing, pack_rectangles(tiles));
+    Texels2 steps; // in tiles
+    for (std::size_t a = 0; a < 2; ++a)
+        steps[a] = std::lcm(options.side_step, options.tile[a]) / options.tile[a];
+    TESSERA_TRY_ASSIGN(const RectPacking packing, pack_rectangles(tiles, steps));
     for (std::size_t a = 0; a < 2; ++a) {
         for (std::size_t i = 0; i < atlas.charts.size(); ++i)
             atlas.charts[i].begin[a] = packing.places[i][a] * options.tile[a];

@@ -35,11 +35,12 @@ struct AtlasOptions {
     double density = 32;  // texels per world unit for an observer `distance` from the origin
     double distance = 10; // of the observers in the paper
     Texels2 tile{32, 32};
+    std::uint32_t side_step = 1; // the sides of the atlas are multiples of it, and of the tile's
 };
 
 struct Atlas {
     std::vector<Chart> charts; // one per patch
-    Texels2 size{0, 0};        // a multiple of the tile's sides
+    Texels2 size{0, 0};
 };
 
 // Error: unsupported (charts too large for an atlas).

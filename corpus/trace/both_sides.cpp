@@ -8,7 +8,9 @@ namespace {
 constexpr unsigned trials = 64;
 
 ModelTriangle turned(const ModelTriangle& triangle) {
-    return {{triangle.vertices[0], triangle.vertices[2], triangle.vertices[1]}, triangle.material};
+    return {{triangle.vertices[0], triangle.vertices[2], triangle.vertices[1]},
+            triangle.material,
+            true};
 }
 
 // Whether test(place, random) is true at one of several random places of the triangle.

@@ -1,6 +1,7 @@
 // Tests models that are baked into layers.
 #include "corpus/layers/clear_walls.h"
 #include "corpus/layers/environment_layer.h"
+#include "corpus/layers/layer_density.h"
 #include "corpus/layers/layer_trial.h"
 #include "corpus/layers/model_layers.h"
 #include "corpus/layers/sharp_reflections.h"
@@ -538,6 +539,25 @@ TEST(ModelLayers, FinestLayersAreWholeTiles) {
         EXPECT_EQ(diffuse.desc.size[axis_u] % diffuse.tile[axis_u], 0u) << light_texel;
         EXPECT_EQ(diffuse.desc.size[axis_v] % diffuse.tile[axis_v], 0u) << light_texel;
     }
+}
+
+// Models with pictures of many texels have more texels, but no more of light.
+TEST(ModelLayers, TexelsFollowPictures) {
+    Model model;
+    model.materials.emplace_back();
+    add_square(model, 1.0f, 0.0f, false, 0);
+    for (std::size_t i = 0; i < 4; ++i)
+        model.vertices[i].uv[0] = {i % 2, i / 2};
+    EXPECT_EQ(layer_density(model).texels, 1e6);
+    model.materials[0].base_texture.image = 0;
+    model.images.push_back({1024, 1024, {}});
+    EXPECT_EQ(layer_density(model).texels, 1e6);
+    EXPECT_EQ(layer_density(model).light_texel, 2u);
+    model.images[0].width = model.images[0].height = 2048;
+    EXPECT_EQ(layer_density(model).texels, 4e6);
+    EXPECT_EQ(layer_density(model).light_texel, 4u);
+    EXPECT_EQ(layer_density(model, 3e6).texels, 3e6);
+    EXPECT_EQ(layer_density(model, 3e6).light_texel, 2u);
 }
 
 // The diffuse light of the texel at a place that faces upwards.

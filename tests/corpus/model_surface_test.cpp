@@ -93,6 +93,30 @@ TEST(ModelSurface, TexelsFollowTheDetailOfPictures) {
     EXPECT_EQ(viewed[1].sides.x, 0.25 * viewed[0].sides.x);
 }
 
+// Each has a chart with gutters, which count among the texels asked for.
+TEST(ModelSurface, LooseTrianglesDoNotGrowTheAtlas) {
+    Model model;
+    model.materials.emplace_back();
+    for (std::uint32_t i = 0; i < 4'000; ++i) {
+        const float x = static_cast<float>(i % 64), y = static_cast<float>(i / 64),
+                    turn = 0.1f * static_cast<float>(i);
+        for (const float angle : {0.0f, 2.0f, 4.0f}) {
+            ModelVertex v;
+            v.position = {x + 0.3f * std::cos(angle + turn), y + 0.3f * std::sin(angle + turn),
+                          0.2f * std::sin(2.0f * angle + turn)};
+            v.normal = {0.0f, 0.0f, 1.0f};
+            model.vertices.push_back(v);
+        }
+        model.triangles.push_back({{3 * i, 3 * i + 1, 3 * i + 2}, 0});
+    }
+    ModelAtlasOptions options{.texels = 50'000, .finer = 2, .tile = {16, 16}, .side_step = 32};
+    const auto atlas = make_model_atlas(model, options);
+    ASSERT_TRUE(atlas.ok());
+    EXPECT_EQ(atlas->charts.size(), 4'000u);
+    EXPECT_LT(double{atlas->size[0]} * atlas->size[1], 1.75 * options.texels);
+    EXPECT_LE(atlas->size[1], 4 * atlas->size[0] + 4096);
+}
+
 // Squares of side 1, each with its own vertices, in rows of 32.
 Model loose_squares(std::uint32_t count) {
     Model model;

@@ -69,6 +69,43 @@ TEST(ViewedScale, FloorsAreCutAroundSmallThings) {
     EXPECT_GT(least, 1.0 / 256);
 }
 
+// The back of a ground faces nothing that observers come near. Both sides of a lone sheet are alike.
+TEST(ViewedScale, BacksThatFaceNothingHaveFewerTexels) {
+    Model ground = cube_on_floor();
+    ground.materials[0].double_sided = true;
+    Model sheet = ground;
+    sheet.triangles.erase(sheet.triangles.begin(), sheet.triangles.begin() + 12); // the cube
+    for (const auto& [model, least_gain] : {std::pair{ground, 2.0}, {sheet, 1.0}}) {
+        const auto both = with_both_sides(model);
+        ASSERT_TRUE(both.ok());
+        const std::vector<double> shares = viewed_shares(*both, ViewedScale(*both));
+        std::size_t backs = 0;
+        for (std::size_t i = 0; i < shares.size(); ++i)
+            if (both->triangles[i].is_back) {
+                ++backs;
+                EXPECT_GE(shares[i - 1], least_gain * shares[i]);
+                EXPECT_LE(shares[i - 1], 4.0 * least_gain * shares[i]);
+            }
+        EXPECT_EQ(backs, 2u);
+    }
+}
+
+// The part of the texels that is even is that of the texels which charts have in the end.
+TEST(ViewedScale, PicturesCountInTheEvenPart) {
+    Model model = cube_on_floor();
+    const auto least = [&] {
+        return std::ranges::min(
+            viewed_shares(*with_cut_triangles(model, ViewedScale(model)), ViewedScale(model)));
+    };
+    model.materials.push_back(model.materials[0]);
+    for (std::size_t i = 12; i < model.triangles.size(); ++i)
+        model.triangles[i].material = 1;
+    const double without = least();
+    model.images.push_back({1024, 1024, {}});
+    model.materials[1].base_texture.image = 0;
+    EXPECT_LT(least(), 0.97 * without);
+}
+
 // However small a thing is, and however many large triangles there are, cutting ends soon.
 TEST(ViewedScale, WorkIsBounded) {
     Model model = cube_on_floor();

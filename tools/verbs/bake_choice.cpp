@@ -1,5 +1,6 @@
 #include "tools/verbs/bake_choice.h"
 
+#include "corpus/layers/layer_density.h"
 #include "corpus/layers/layer_trial.h"
 #include "corpus/layers/model_layers.h"
 #include "corpus/layers/sharp_reflections.h"
@@ -29,9 +30,9 @@ bool speaks(const BakeCommand& a) {
     return !a.texture.quiet && !a.encode.json;
 }
 
-double texels_of(const BakeCommand& a, const corpus::Model& model, double usual) {
+std::optional<double> texels_asked(const BakeCommand& a, const corpus::Model& model) {
     if (!a.density)
-        return usual;
+        return a.texels;
     const double density = *a.density / model.frame.scale;
     return corpus::surface_area(model) * density * density;
 }
@@ -46,10 +47,11 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
     double own = 0; // bytes of texels
     if (choice.layered) {
         const corpus::ModelLayersOptions usual;
-        const double texels = texels_of(a, model, a.texels.value_or(usual.texels));
+        const corpus::LayerDensity density = corpus::layer_density(model, texels_asked(a, model));
+        const double texels = density.texels;
         const corpus::ReflectionLayout mirrored =
             corpus::reflection_layout(model, corpus::reflects_sharply(model), texels);
-        const double cell = mirrored.texel, place = usual.light_texel;
+        const double cell = mirrored.texel, place = density.light_texel;
         const double directions = static_cast<double>(mirrored.directions) * mirrored.directions;
         const double paths =
             texels / (place * place) * (4 * samples + 2.0 * a.lights.value_or(usual.lights)) +
@@ -61,7 +63,7 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
         const corpus::Texels2 directions =
             wish.ok() ? wish->directions.value_or(usual_directions) : usual_directions;
         const double all = static_cast<double>(directions[0]) * directions[1];
-        const double places = texels_of(a, model, corpus::ModelAtlasOptions().texels);
+        const double places = texels_asked(a, model).value_or(corpus::ModelAtlasOptions().texels);
         choice.seconds = places * (16 * samples + 128 + all * samples) * path_seconds / threads;
         own = places * bytes_per_place * std::sqrt(all);
     }

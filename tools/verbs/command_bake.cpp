@@ -253,7 +253,8 @@ void declare(CLI::App& c, BakeCommand& a) {
                 "paths decides, for scenes on a mesh whether something shines");
     layers.flag("--single", a.single, "Bake one texture of all light instead");
     layers.option("--texels", "N", a.texels,
-                  "Texels of a model's layer of colours. Default: 1000000",
+                  "Texels of a model's layer of colours. Default: 1000000, or 4000000 if its "
+                  "pictures have at least as many",
                   number_between(1024, 67108864));
     layers.option("--lights", "N", a.lights,
                   "Lights that stand for the environment; 0: none, reflections hold all light. "
