@@ -16,18 +16,18 @@ constexpr double most_light = 1.0;          // of a display
 constexpr unsigned transmission_paths = 16; // at each of the places of a texel
 constexpr std::uint64_t transmission_sequence = 0x74726E73;
 
-struct Material {
+struct PlaceMaterial {
     glm::dvec3 diffuse{0.0}, emission{0.0}, specular{0.0};
     double roughness = 0;
     glm::dvec2 normal{0.0}; // in the frame of the mesh
 };
 
 // The mean over the texel; nothing if no light is known there.
-std::optional<Material> material_of(const ModelPlaces& fine, const PlaceLight& light,
-                                    const Tracer& tracer, const NearestLobes& nearest,
-                                    std::uint32_t finer, double exposure, std::uint32_t u,
-                                    std::uint32_t v) {
-    Material sum;
+std::optional<PlaceMaterial> material_of(const ModelPlaces& fine, const PlaceLight& light,
+                                         const Tracer& tracer, const NearestLobes& nearest,
+                                         std::uint32_t finer, double exposure, std::uint32_t u,
+                                         std::uint32_t v) {
+    PlaceMaterial sum;
     double lit = 0;
     constexpr double share = 1.0 / material_places.size();
     for (const glm::dvec2& offset : material_places) {
