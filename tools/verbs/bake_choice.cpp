@@ -25,10 +25,6 @@ constexpr double bytes_per_place = 0.9;  // of one texture, times the root of it
 constexpr double plain_share = 0.5;      // of these bytes, without pictures
 constexpr double texel_seconds = 60e-6;  // for all that is not a path, of layers
 
-bool speaks(const BakeCommand& a) {
-    return !a.texture.quiet && !a.encode.json;
-}
-
 double texels_of(const BakeCommand& a, const corpus::Model& model, double usual) {
     if (!a.density)
         return usual;
@@ -39,9 +35,7 @@ double texels_of(const BakeCommand& a, const corpus::Model& model, double usual)
 // As corpus::bake_model_layers() and corpus::LitModel trace their paths.
 void estimate(const BakeCommand& a, const corpus::Model& model, double path_seconds,
               BakeChoice& choice) {
-    const unsigned threads = a.texture.threads != 0
-                                 ? a.texture.threads
-                                 : std::max(1u, std::thread::hardware_concurrency());
+    const unsigned threads = threads_of(a);
     const double samples = a.samples;
     double own = 0; // bytes of texels
     if (choice.layered) {
@@ -74,6 +68,15 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
 }
 
 } // namespace
+
+bool speaks(const BakeCommand& a) {
+    return !a.texture.quiet && !a.encode.json;
+}
+
+unsigned threads_of(const BakeCommand& a) {
+    return a.texture.threads != 0 ? a.texture.threads
+                                  : std::max(1u, std::thread::hardware_concurrency());
+}
 
 std::string option_of_one_texture(const BakeCommand& a) {
     const EncodeArguments& e = a.encode;
