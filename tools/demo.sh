@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # The main job, end to end. The paper's composed scene, baked straight into compressed files: on the
-# surfaces of its things, and on the paper's sphere around them; what an observer sees of both, beside
-# the ray traced truth. Then the sphere's texture is decoded, compared with the texture itself, and drawn
-# on the GPU, decoded there as the views ask for it; both end as pages for a browser. Output: demo_output/.
+# surfaces of its things, in layers of colours and of what depends on the direction, and on the paper's
+# sphere around them; what an observer sees of both, beside the ray traced truth. Then the sphere's texture
+# is decoded, compared with the texture itself, and drawn on the GPU, decoded there as the views ask for
+# it; both end as pages for a browser. Output: demo_output/.
 #   tools/demo.sh [UxVxSxT]      default 256x128x16x16
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 SIZE=${1:-256x128x16x16}
@@ -13,7 +14,7 @@ T=build/bin/tessera
 OUT=demo_output
 mkdir -p "$OUT"
 
-say "Baking the composed scene on the surfaces of its things"
+say "Baking the composed scene in layers on the surfaces of its things"
 $T bake composed -o "$OUT/surface.tess" --proxy mesh --effort 2 --quality 50
 
 say "Baking it on the paper's sphere, $SIZE at 16 samples a texel"
@@ -44,8 +45,10 @@ $T decode "$OUT/composed.tess" -o "$OUT/decoded.rgb"
 say "Original against decoded"
 $T compare "$OUT/original.rgb" "$OUT/composed.tess" --size "$SIZE"
 
-say "What the file holds"
-$T info "$OUT/composed.tess"
+say "What the files hold"
+for kind in surface composed; do
+    $T info "$OUT/$kind.tess"
+done
 
 say "Drawing views and angular images: original, decoded, difference"
 $T sheet "$OUT/original.rgb" "$OUT/composed.tess" --size "$SIZE" -o "$OUT/sheet.png"

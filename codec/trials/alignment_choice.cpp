@@ -151,10 +151,13 @@ ViewAlignment alignment_by(const Motion& along_u, const Motion& along_v) {
     return best;
 }
 
-// Surfaces have no views that differ by parallax only.
+// Surfaces have no views that differ by parallax only. All layers of a file lie on its mesh, which the
+// first one alone has.
 bool may_be_views(const EncodePlan& plan) {
     const Extent4& size = plan.colour.desc.size;
-    return plan.options.description.proxy == Proxy::none && (size[axis_s] > 1 || size[axis_t] > 1);
+    const Description& description = plan.options.description;
+    return description.proxy == Proxy::none && description.surface_map != SurfaceMap::mesh_uv &&
+           (size[axis_s] > 1 || size[axis_t] > 1);
 }
 
 bool may_be_aligned(const EncodePlan& plan) {

@@ -87,6 +87,12 @@ Result<LayerTexture> bake_scene_differences(const std::shared_ptr<const LitSurfa
     return layer;
 }
 
+std::uint64_t differences_in(const Texels2& places, const LayerDetail& detail) {
+    return std::uint64_t{places[0]} * places[1] * detail.directions[0] * detail.directions[1];
+}
+
+} // namespace
+
 SurfaceOptions layout_of(const LayerDetail& detail) {
     SurfaceOptions layout;
     layout.atlas.density = detail.density / static_cast<double>(detail.cell);
@@ -94,12 +100,6 @@ SurfaceOptions layout_of(const LayerDetail& detail) {
     layout.mirror_density = detail.mirror_density;
     return layout;
 }
-
-std::uint64_t differences_in(const Texels2& places, const LayerDetail& detail) {
-    return std::uint64_t{places[0]} * places[1] * detail.directions[0] * detail.directions[1];
-}
-
-} // namespace
 
 Result<bool> differences_fit(const Scene& scene, const SurfaceWish& wish) {
     const LayerDetail detail = layer_detail(scene, wish);

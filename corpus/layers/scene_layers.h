@@ -3,6 +3,7 @@
 
 #include "corpus/layers/model_layers.h"
 #include "corpus/scene.h"
+#include "corpus/surface/scene_surface.h"
 #include "corpus/surface/surface_detail.h"
 
 namespace tessera::corpus {
@@ -12,6 +13,9 @@ struct SceneLayersOptions {
     unsigned samples = 16; // per texel
     BakeRun run;
 };
+
+// The surfaces for differences of this detail. Colours have `detail.cell` as many texels along a side.
+SurfaceOptions layout_of(const LayerDetail& detail);
 
 // Whether so many differences fit the memory. Errors: those of make_scene_surface().
 Result<bool> differences_fit(const Scene& scene, const SurfaceWish& wish);

@@ -107,6 +107,10 @@ TEST(Alignment, IsOffForLayersAndSpheres) {
     options.description.proxy = Proxy::sphere;
     options.description.sphere_radius = 1;
     EXPECT_EQ(alignment_of(texture, options), ViewAlignment{});
+    options = views_options();
+    options.description.surface_map = SurfaceMap::mesh_uv;
+    options.description.angular_map = AngularMap::octahedral_mirrored;
+    EXPECT_EQ(alignment_of(texture, options), ViewAlignment{}) << "a layer on a mesh";
 }
 
 // The error is the reported one. Boxes and streamed slabs give the same texels as a whole decode.

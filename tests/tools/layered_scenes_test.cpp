@@ -53,6 +53,7 @@ TEST_F(LayeredScenes, AreChosenWhereSomethingShines) {
         EXPECT_EQ(o.code, 0) << o.err;
         const bool layered = o.err.find("tessera bake: layers, because") == 0;
         EXPECT_EQ(o.err.find("tessera bake: one texture, because") == 0, !layered) << o.err;
+        EXPECT_NE(o.err.find("; about "), std::string::npos) << o.err;
         EXPECT_EQ(json("info a.tess --json").contains("layers"), layered);
         return layered;
     };

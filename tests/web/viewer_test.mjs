@@ -34,8 +34,9 @@ function makeTextures() {
     tessera('bake', 'composed', '-o', inFolder('sphere.tess'), '--size', '64x32x16x16', '--layers', ...quick);
     tessera('bake', 'composed', '-o', inFolder('inside.tess'), '--proxy', 'sphere-inside:0,1.1,0,0.4', '--size',
             '64x32x8x8', ...quick);
-    tessera('bake', 'composed', '-o', inFolder('mesh.tess'), '--proxy', 'mesh', '--density', '6', '--directions', '8x8',
-            ...quick);
+    const mesh = ['bake', 'composed', '--proxy', 'mesh', '--density', '6', '--directions', '8x8', ...quick];
+    tessera(...mesh, '--single', '-o', inFolder('mesh.tess'));
+    tessera(...mesh, '--layered', '-o', inFolder('layered.tess'));
     writeFileSync(inFolder('box.gltf'), bumpyBox());
     tessera('bake', inFolder('box.gltf'), '-o', inFolder('lit.tess'), '--layered', '--texels', '20000', '--lights', '8',
             '--spp', '1', '--quality', '100', '-q');
@@ -78,6 +79,7 @@ const tests = {
         // upright edge differ if it is near a column of rays.
         for (const [name, size, ...poses] of [['sphere', '200x150', {}, {eye: '0.5,10,0.2'}],
                                               ['inside', '200x150', inside],
+                                              ['layered', '400x300', {eye: '4,3,7'}],
                                               ['mesh', '400x300', {eye: '4,3,7'},
                                                {eye: '30,18,9', fov: 12, rays: 1}]]) {
             tessera('view', inFolder(`${name}.tess`), '-o', inFolder(`${name}.html`), '-q');

@@ -26,10 +26,6 @@ constexpr double bytes_per_place = 0.9;  // of one texture, times the root of it
 constexpr double plain_share = 0.5;      // of these bytes, without pictures
 constexpr double texel_seconds = 60e-6;  // for all that is not a path, of layers
 
-bool speaks(const BakeCommand& a) {
-    return !a.texture.quiet && !a.encode.json;
-}
-
 std::optional<double> texels_asked(const BakeCommand& a, const corpus::Model& model) {
     if (!a.density)
         return a.texels;
@@ -40,9 +36,7 @@ std::optional<double> texels_asked(const BakeCommand& a, const corpus::Model& mo
 // As corpus::bake_model_layers() and corpus::LitModel trace their paths.
 void estimate(const BakeCommand& a, const corpus::Model& model, double path_seconds,
               BakeChoice& choice) {
-    const unsigned threads = a.texture.threads != 0
-                                 ? a.texture.threads
-                                 : std::max(1u, std::thread::hardware_concurrency());
+    const unsigned threads = threads_of(a);
     const double samples = a.samples;
     double own = 0; // bytes of texels
     if (choice.layered) {
@@ -76,6 +70,15 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
 }
 
 } // namespace
+
+bool speaks(const BakeCommand& a) {
+    return !a.texture.quiet && !a.encode.json;
+}
+
+unsigned threads_of(const BakeCommand& a) {
+    return a.texture.threads != 0 ? a.texture.threads
+                                  : std::max(1u, std::thread::hardware_concurrency());
+}
 
 std::string option_of_one_texture(const BakeCommand& a) {
     const EncodeArguments& e = a.encode;

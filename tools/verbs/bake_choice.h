@@ -19,6 +19,12 @@ std::string option_of_one_texture(const BakeCommand& a);
 // a few paths. Errors: those of corpus::try_layers().
 Result<BakeChoice> choose_layers(const BakeCommand& a, const ModelToBake& model);
 
+// Whether the command reports its choice.
+bool speaks(const BakeCommand& a);
+
+// How many threads it will use.
+unsigned threads_of(const BakeCommand& a);
+
 // One line on standard error, unless the command is quiet or prints JSON.
 void say_choice(const BakeCommand& a, const BakeChoice& choice);
 

@@ -7,6 +7,7 @@
 #include "tools/support/parse.h"
 #include "tools/support/progress.h"
 #include "tools/verbs/bake_layers.h"
+#include "tools/verbs/scene_estimate.h"
 #include "tools/verbs/write_layers.h"
 
 namespace tessera {
@@ -46,11 +47,13 @@ Result<BakeChoice> choose_scene_layers(const BakeCommand& a) {
     }
     if (a.layered && !why_not.empty())
         return Status(ErrorCode::unsupported, "--layered: " + a.scene + ": " + why_not);
-    if (!why_not.empty())
-        return BakeChoice{.layered = false, .why = why_not};
-    return BakeChoice{.why = a.layered ? "--layered asks for them"
-                                       : "highlights and mirror images need fewer places than "
-                                         "colours"};
+    BakeChoice choice{.layered = why_not.empty(), .why = why_not};
+    if (choice.layered)
+        choice.why = a.layered ? "--layered asks for them"
+                               : "highlights and mirror images need fewer places than colours";
+    if (speaks(a))
+        TESSERA_TRY(estimate_scene(a, scene, wish, choice));
+    return choice;
 }
 
 Status bake_layered_scene(const BakeCommand& a) {

@@ -226,7 +226,8 @@ Status add_layers_on_cpu(const FileSurface& surface, Stage& stage) {
          container.grid().tile_extent(), container.description().transfer}};
     for (const OpenLayerFile& layer : stage.layers) {
         const ContainerReader& own = layer.decoder->container();
-        stage.layer_texels.push_back(decoded_grid(*layer.decoder));
+        // Encoders used to align directions of some layers as if they were views.
+        stage.layer_texels.push_back(decoded_source(*layer.decoder));
         drawn.push_back({layer.info.role, static_cast<double>(layer.info.scale),
                          stage.layer_texels.back().get(), own.grid().tile_extent(),
                          own.description().transfer});
