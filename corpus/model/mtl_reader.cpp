@@ -1,5 +1,5 @@
-// The reader uses the statements newmtl, Kd, Ke, Ns, Pr, Pm, Pc, Pcr, map_Kd, map_Ke, map_Pr, map_Pm,
-// norm and map_Bump. It notes other maps, transparency, sheen and anisotropy.
+// The reader uses the statements newmtl, Kd, Ke, Ns, d, Tr, Pr, Pm, Pc, Pcr, map_Kd, map_Ke, map_d, map_Pr,
+// map_Pm, norm and map_Bump. It notes other maps, sheen and anisotropy.
 #include "corpus/model/mtl_reader.h"
 
 #include "corpus/model/bump_map.h"
@@ -49,6 +49,28 @@ std::string picture_path(const std::string& folder, std::string_view name) {
     return !is_there(usual) && is_there(beside) ? beside : usual;
 }
 
+// Where the options of map_Kd put the picture: its place is scale * uv + offset, with v upwards.
+TextureUse placed_by(std::string_view rest) {
+    TextureUse use;
+    glm::dvec2 scale(1.0), offset(0.0);
+    const std::vector<std::string_view> words = words_of(rest);
+    for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+        if (words[i] == "-clamp" && words[i + 1] == "on")
+            use.wrap_u = use.wrap_v = Wrap::clamp;
+        if (words[i] != "-s" && words[i] != "-o")
+            continue;
+        glm::dvec2& pair = words[i] == "-s" ? scale : offset;
+        for (std::size_t k = 0; k < 2 && i + 1 + k < words.size(); ++k)
+            if (double number = 0; parse_real(words[i + 1 + k], number) && std::abs(number) < 1e6)
+                pair[static_cast<glm::length_t>(k)] = number;
+            else
+                break;
+    }
+    use.turn = glm::dmat2(scale.x, 0.0, 0.0, scale.y);
+    use.offset = {offset.x, 1.0 - scale.y - offset.y}; // v downwards
+    return use;
+}
+
 bool read_bump(std::string_view rest, const std::string& path, MtlMaterial& m) {
     m.bump_picture = path;
     const std::vector<std::string_view> words = words_of(rest);
@@ -70,7 +92,7 @@ bool read_colour(std::string_view rest, glm::dvec3& colour) {
 // Statements without an effect here. Exporters write all of them; few values change anything.
 bool is_ignored(const std::string& keyword, std::string_view rest) {
     static const std::map<std::string_view, double> usual = {
-        {"d", 1.0}, {"tr", 0.0}, {"ps", 0.0}, {"aniso", 0.0}, {"anisor", 0.0}};
+        {"ps", 0.0}, {"aniso", 0.0}, {"anisor", 0.0}};
     glm::dvec3 filter(1.0);
     if (keyword == "tf") // all of it, or none
         return read_colour(rest, filter) && filter != glm::dvec3(1.0) && filter != glm::dvec3(0.0);
@@ -79,15 +101,34 @@ bool is_ignored(const std::string& keyword, std::string_view rest) {
     return it != usual.end() && parse_real(take_word(rest), number) && number != it->second;
 }
 
+bool lies_plainly(const TextureUse& use) {
+    return use.turn == glm::dmat2(1.0) && use.offset == glm::dvec2(0.0) &&
+           use.wrap_u == Wrap::repeat && use.wrap_v == Wrap::repeat;
+}
+
+// Pictures that were joined, by a channel and the indices of both: many materials may share them.
+using JoinedPictures = std::map<std::array<int, 3>, int>;
+
+// The texel of `image` at the place of texel (x, y) of another one.
+const std::array<std::uint8_t, 4>& texel_of(const Image& image, std::size_t x, std::size_t y,
+                                            const Image& other) {
+    return image
+        .texels[y * image.height / other.height * image.width + x * image.width / other.width];
+}
+
+// The first picture, in the size of the one with more texels.
+Image larger_of(const Image& picture, const Image& other) {
+    if (picture.texels.size() >= other.texels.size())
+        return picture;
+    Image larger = other;
+    for (std::size_t y = 0; y < larger.height; ++y)
+        for (std::size_t x = 0; x < larger.width; ++x)
+            larger.texels[y * larger.width + x] = texel_of(picture, x, y, larger);
+    return larger;
+}
+
 // Joins both maps into one, as glTF has them: roughness is green, metal blue.
-void take_roughness(const MtlMaterial& from, ModelBuilder& builder, ModelMaterial& m) {
-    const auto add = [&](const std::string& path) {
-        return path.empty() ? -1 : builder.add_image_or_note(path);
-    };
-    const int roughness = add(from.roughness_picture), metal = add(from.metal_picture);
-    if (roughness < 0 && metal < 0)
-        return;
-    auto& images = builder.model().images;
+int joined_roughness(int roughness, int metal, std::vector<Image>& images) {
     Image joined;
     for (const int image : {roughness, metal})
         if (image >= 0) { // the size of the larger one
@@ -104,15 +145,64 @@ void take_roughness(const MtlMaterial& from, ModelBuilder& builder, ModelMateria
         const Image& one = images[static_cast<std::size_t>(image)];
         for (std::size_t y = 0; y < joined.height; ++y)
             for (std::size_t x = 0; x < joined.width; ++x)
-                joined.texels[y * joined.width + x][channel] =
-                    one.texels[y * one.height / joined.height * one.width +
-                               x * one.width / joined.width][0];
+                joined.texels[y * joined.width + x][channel] = texel_of(one, x, y, joined)[0];
     }
-    m.metal_roughness_texture.image = static_cast<int>(images.size());
     images.push_back(std::move(joined));
+    return static_cast<int>(images.size()) - 1;
+}
+
+void take_roughness(const MtlMaterial& from, ModelBuilder& builder, JoinedPictures& known,
+                    ModelMaterial& m) {
+    const auto add = [&](const std::string& path) {
+        return path.empty() ? -1 : builder.add_image_or_note(path);
+    };
+    const int roughness = add(from.roughness_picture), metal = add(from.metal_picture);
+    if (roughness < 0 && metal < 0)
+        return;
     // Exporters write any number beside a map.
     m.roughness = roughness >= 0 ? 1.0 : m.roughness;
     m.metal = metal >= 0 ? 1.0 : m.metal;
+    const auto [at, is_new] = known.try_emplace({1, roughness, metal}, -1);
+    if (is_new)
+        at->second = joined_roughness(roughness, metal, builder.model().images);
+    m.metal_roughness_texture.image = at->second;
+}
+
+// The colours of one picture with the opacity of another, which is in its alpha if it has any.
+int joined_opacity(int colours, int opacity, std::vector<Image>& images) {
+    const Image& one = images[static_cast<std::size_t>(opacity)];
+    const bool has_alpha =
+        std::ranges::any_of(one.texels, [](const auto& texel) { return texel[3] != 255; });
+    if (has_alpha && opacity == colours) // exporters name the same picture twice
+        return colours;
+    Image joined = colours >= 0 ? larger_of(images[static_cast<std::size_t>(colours)], one) : one;
+    for (std::size_t y = 0; y < joined.height; ++y)
+        for (std::size_t x = 0; x < joined.width; ++x) {
+            auto& texel = joined.texels[y * joined.width + x];
+            const std::uint8_t share = texel_of(one, x, y, joined)[has_alpha ? 3 : 0];
+            if (colours < 0)
+                texel = {255, 255, 255, 255};
+            texel[3] = share;
+        }
+    images.push_back(std::move(joined));
+    return static_cast<int>(images.size()) - 1;
+}
+
+void take_opacity(const MtlMaterial& from, ModelBuilder& builder, JoinedPictures& known,
+                  ModelMaterial& m) {
+    m.base.a = from.opacity;
+    m.blends = from.opacity < 1.0;
+    const int opacity =
+        from.opacity_picture.empty() ? -1 : builder.add_image_or_note(from.opacity_picture);
+    if (opacity < 0)
+        return;
+    m.blends = true;
+    const int colours = m.base_texture.image;
+    const auto [at, is_new] = known.try_emplace({3, colours, opacity}, -1);
+    if (is_new)
+        at->second = joined_opacity(colours, opacity, builder.model().images);
+    m.base_texture = from.placed;
+    m.base_texture.image = at->second;
 }
 
 } // namespace
@@ -123,10 +213,21 @@ bool MtlMaterial::read(const std::string& keyword, std::string_view rest,
         return read_colour(rest, keyword == "kd" ? diffuse : emission);
     double number = 0;
     if (keyword == "ns" || keyword == "pr" || keyword == "pm" || keyword == "pc" ||
-        keyword == "pcr") {
-        if (!parse_real(take_word(rest), number))
+        keyword == "pcr" || keyword == "d" || keyword == "tr") {
+        std::string_view words = rest;
+        std::string_view first = take_word(words);
+        if (keyword == "d" && first == "-halo")
+            first = take_word(words);
+        if (!parse_real(first, number))
             return false;
-        if (keyword == "ns")
+        if (keyword == "d" || keyword == "tr") {
+            // Some exporters write 0 for opaque and for transparent. Nobody models what nobody sees.
+            const double share = std::clamp(keyword == "d" ? number : 1.0 - number, 0.0, 1.0);
+            if (share > 0.0)
+                opacity = share;
+            else
+                ignored.insert(keyword);
+        } else if (keyword == "ns")
             exponent = number;
         else if (keyword == "pc" || keyword == "pcr")
             (keyword == "pc" ? clear : clear_roughness) = std::clamp(number, 0.0, 1.0);
@@ -135,10 +236,17 @@ bool MtlMaterial::read(const std::string& keyword, std::string_view rest,
     }
     if (is_ignored(keyword, rest))
         ignored.insert(keyword);
+    if (keyword != "map_kd" && keyword != "map_d" && !lies_plainly(placed_by(rest)))
+        ignored.insert("-s, -o or -clamp of " + keyword.substr(0, longest_shown));
     const auto path = [&] { return picture_path(folder, texture_name(rest)); };
-    if (keyword == "map_kd")
+    if (keyword == "map_kd") {
         picture = path();
-    else if (keyword == "map_ke")
+        placed = placed_by(rest);
+    } else if (keyword == "map_d") {
+        opacity_picture = path();
+        if (picture.empty())
+            placed = placed_by(rest);
+    } else if (keyword == "map_ke")
         emission_picture = path();
     else if (keyword == "map_pr")
         roughness_picture = path();
@@ -186,6 +294,7 @@ void MtlReader::finish(ModelBuilder& builder) const {
     builder.model().materials.push_back(plain_material(MtlMaterial().diffuse));
     std::map<std::string, std::size_t> ignored; // statements, with the number of their materials
     BumpMaps bumps;
+    JoinedPictures joined;
     for (const MtlMaterial& from : materials_) {
         ModelMaterial m = plain_material(from.diffuse, from.exponent);
         m.emission = linear_colour(from.emission);
@@ -195,10 +304,12 @@ void MtlReader::finish(ModelBuilder& builder) const {
         if (is_share(from.metal))
             m.metal = *from.metal;
         if (!from.picture.empty()) {
+            m.base_texture = from.placed;
             m.base_texture.image = builder.add_image_or_note(from.picture);
             if (m.base_texture.image >= 0)
                 m.base = glm::dvec4(1.0); // exporters write black beside a texture
         }
+        take_opacity(from, builder, joined, m);
         if (!from.emission_picture.empty()) {
             m.emission_texture.image = builder.add_image_or_note(from.emission_picture);
             if (m.emission_texture.image >= 0 && m.emission == glm::dvec3(0.0))
@@ -213,7 +324,7 @@ void MtlReader::finish(ModelBuilder& builder) const {
             m.coats->clear = from.clear;
             m.coats->clear_roughness = from.clear_roughness;
         }
-        take_roughness(from, builder, m);
+        take_roughness(from, builder, joined, m);
         builder.model().materials.push_back(m);
         for (const std::string& statement : from.ignored)
             ++ignored[statement];

@@ -20,7 +20,9 @@ struct MtlMaterial {
     double exponent = 0.0;
     std::optional<double> roughness, metal;
     std::string picture, emission_picture, normal_picture, bump_picture;
-    std::string roughness_picture, metal_picture;
+    std::string roughness_picture, metal_picture, opacity_picture;
+    TextureUse placed; // how map_Kd lies on the surface, without its image
+    double opacity = 1.0;
     double bump_scale = 1.0;
     double clear = 0.0, clear_roughness = 0.0;
     std::set<std::string> ignored; // statements

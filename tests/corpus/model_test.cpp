@@ -230,15 +230,14 @@ TEST_F(Models, MaterialsOfObj) {
                           triangle + "usemtl unknown\n" + triangle);
     ASSERT_TRUE(model.ok()) << model.status().message();
     ASSERT_EQ(model->triangles.size(), 6u);
-    EXPECT_EQ(model->notes,
-              std::vector<std::string>{"d (1 material) is not supported and is ignored"});
+    EXPECT_TRUE(model->notes.empty());
     const auto material = [&](std::size_t i) {
         return model->materials[model->triangles[i].material];
     };
     const double grey = srgb_to_linear(0.6), half = srgb_to_linear(0.5);
     for (const std::size_t i : {0, 4, 5})
         EXPECT_EQ(material(i).base, glm::dvec4(grey, grey, grey, 1)) << i;
-    EXPECT_EQ(material(1).base, glm::dvec4(1, 0, 0, 1));
+    EXPECT_EQ(material(1).base, glm::dvec4(1, 0, 0, 0.5));
     EXPECT_NEAR(material(1).roughness, std::pow(2.0 / 102.0, 0.25), 1e-9);
     EXPECT_EQ(material(1).metal, 0.0);
     EXPECT_EQ(material(2).base, glm::dvec4(half, half, half, 1));
@@ -355,7 +354,7 @@ TEST_F(Models, BumpMapsOfHeightsBecomeNormals) {
 }
 
 // Statements that change nothing are not named.
-TEST_F(Models, TransparencyOfMtlIsNamedAndClearCoatsAreRead) {
+TEST_F(Models, UnusedStatementsOfMtlAreNamedAndClearCoatsAreRead) {
     const std::string triangle = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
     file("a.mtl", "newmtl m\nTf 1 1 1\nd 1.0\nTr 0\nPs 0\naniso 0\nPc 0.5\nPcr 0.25\n");
     auto model = load("a.obj", triangle);
@@ -365,12 +364,56 @@ TEST_F(Models, TransparencyOfMtlIsNamedAndClearCoatsAreRead) {
     ASSERT_TRUE(coats);
     EXPECT_EQ(coats->clear, 0.5);
     EXPECT_EQ(coats->clear_roughness, 0.25);
-    file("a.mtl", "newmtl m\nTf 0.5 1 1\nd 0.5\nTr 0.5\nPs 1\n");
+    file("a.mtl", "newmtl m\nTf 0.5 1 1\nd 0\nPs 1\nnorm -s 2 2 2 gone.png\n");
     model = load("a.obj", triangle);
     ASSERT_TRUE(model.ok());
-    EXPECT_EQ(model->notes.size(), 4u);
     EXPECT_FALSE(model->materials[model->triangles[0].material].coats);
-    EXPECT_EQ(model->notes[1], "ps (1 material) is not supported and is ignored");
+    for (const char* statement : {"-s, -o or -clamp of norm", "d", "ps", "tf"})
+        EXPECT_EQ(std::ranges::count(model->notes,
+                                     statement + std::string(" (1 material) is not supported and "
+                                                             "is ignored")),
+                  1)
+            << statement;
+}
+
+TEST_F(Models, TransparencyOfMtlBlends) {
+    const std::string triangle = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                                 "usemtl m\nf 1/1 2/2 3/3\n";
+    file("green.ppm", flat_ppm(1, std::string("\0\xff\0", 3)));
+    file("grey.ppm", flat_ppm(2, "\x40\x40\x40"));
+    const auto material = [&](const std::string& statements, Image* picture = nullptr) {
+        file("a.mtl", "newmtl m\n" + statements);
+        const auto model = load("a.obj", triangle);
+        EXPECT_TRUE(model.ok()) << model.status().message();
+        EXPECT_TRUE(model->notes.empty()) << model->notes[0];
+        const ModelMaterial m = model->materials[model->triangles[0].material];
+        if (picture)
+            *picture = model->images[static_cast<std::size_t>(m.base_texture.image)];
+        return m;
+    };
+    for (const char* half : {"d 0.25\n", "d -halo 0.25\n", "Tr 0.75\n"}) {
+        EXPECT_TRUE(material(half).blends) << half;
+        EXPECT_EQ(material(half).base.a, 0.25) << half;
+    }
+    Image picture;
+    EXPECT_TRUE(material("map_Kd green.ppm\nmap_d grey.ppm\n", &picture).blends);
+    ASSERT_EQ(picture.texels.size(), 4u);
+    EXPECT_EQ(picture.texels[3], (std::array<std::uint8_t, 4>{0, 255, 0, 0x40}));
+    EXPECT_TRUE(material("map_d grey.ppm\n", &picture).blends);
+    EXPECT_EQ(picture.texels[0], (std::array<std::uint8_t, 4>{255, 255, 255, 0x40}));
+}
+
+TEST_F(Models, OptionsOfMtlPlaceThePicture) {
+    file("green.ppm", flat_ppm(1, std::string("\0\xff\0", 3)));
+    file("a.mtl", "newmtl m\nmap_Kd -s 2 4 1 -o 0.5 0.25 -clamp on green.ppm\n");
+    const auto model = load("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\n"
+                                     "vt 0 1\nusemtl m\nf 1/1 2/2 3/3\n");
+    ASSERT_TRUE(model.ok()) << model.status().message();
+    EXPECT_TRUE(model->notes.empty());
+    const TextureUse& use = model->materials[model->triangles[0].material].base_texture;
+    EXPECT_EQ(use.turn * glm::dvec2(0.5, 1.0 - 0.5) + use.offset,
+              glm::dvec2(2 * 0.5 + 0.5, 1.0 - (4 * 0.5 + 0.25))); // v downwards
+    EXPECT_EQ(use.wrap_u, Wrap::clamp);
 }
 
 TEST_F(Models, FilesOfOtherKindsAreNamed) {

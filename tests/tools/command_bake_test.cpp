@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -229,6 +230,22 @@ TEST_F(BakeVerb, LayersNameWhatTheyApproximate) {
               "in layers a clear coat and the mirror below it share a highlight");
     EXPECT_EQ(whole["warnings"][1]["warning"], "in layers transmitted light is blurred");
     fail(5, bake + "--layered --strict -q", {"coat.gltf", "clear coat"});
+}
+
+// Pixels at an edge have as many shades as rays.
+TEST_F(BakeVerb, TruthOfModelsHasTheRaysOfThePicture) {
+    spit(at("glow.mtl"), "newmtl glow\nKd 0 0 0\nNs 0\nKe 1 1 1\n");
+    spit(at("glow.obj"), "mtllib glow.mtl\nusemtl glow\nv -1 -1 0\nv 1 -0.9 0\nv 0 1 0\nf 1 2 3\n");
+    succeed("bake glow.obj --layered --texels 1024 --spp 1 --effort 0 -q -o a.tess");
+    const auto shades = [&](const std::string& rays) {
+        succeed("render a.tess -o v.png --eye 0,0,4 --pixels 40x40 --truth glow.obj --truth-spp 64 "
+                "--write-all -q --rays " +
+                rays);
+        const auto truth = tessera::read_png(at("v-truth.png"));
+        EXPECT_TRUE(truth.ok()) << truth.status().message();
+        return std::set<std::byte>(truth->rgb.begin(), truth->rgb.end()).size();
+    };
+    EXPECT_GT(shades("16"), 2 * shades("4"));
 }
 
 TEST_F(BakeVerb, RefusesOptionsThatDoNotGoTogether) {

@@ -347,9 +347,11 @@ void declare_renderer(CLI::App& c, RenderCommand& a) {
         .option("--budget", "SIZE", r.budget_mib,
                 "Memory for decoded texels; on the GPU, for all of the file. Default: 512M")
         ->transform(size_in_mebibytes());
-    group.option("--rays", "N", r.rays,
-                 "Per pixel, on the CPU. Default: 1 for a sphere, 4 for a mesh",
-                 CLI::Range(1u, 65536u));
+    group.option(
+        "--rays", "N", r.rays,
+        "Per pixel, on the CPU. Default: 1 for a sphere, 4 for a mesh. Details smaller than a "
+        "pixel need more, in --truth, too",
+        CLI::Range(1u, 65536u));
     group.option(
         "--pixel-filter", "NAME[:WIDTH]", a.pixel_filter,
         "box (default, 1 pixel wide), gauss (4.5) or blackman-harris (3), as Blender has them; "

@@ -49,7 +49,8 @@ Status add_model_truth(const StageRequest& r, const Metadata& metadata,
                        frame_of_mesh(file.model.frame, metadata).with_context(r.file));
     RenderOptions options = asked;
     const unsigned paths = r.truth_samples.value_or(usual_model_paths);
-    options.rays = std::clamp(paths / least_paths_per_ray, 1u, mesh_rays);
+    // As many as the file is drawn with: with fewer, details smaller than a pixel would alias.
+    options.rays = std::clamp(paths / least_paths_per_ray, 1u, std::max(mesh_rays, asked.rays));
     TESSERA_TRY_ASSIGN(const auto truth,
                        corpus::make_model_truth(std::move(file.model), std::move(file.light),
                                                 file.display,
