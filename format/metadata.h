@@ -18,8 +18,8 @@ namespace TESSERA_PUBLIC tessera {
 // Version of the library and the tools.
 inline constexpr const char* library_version = "0.1.0";
 
-// The version of FORMAT.md that this library implements. Headers state the oldest minor version with
-// the same layout of the container, so that older readers refuse only what they do not know.
+// The version of FORMAT.md that this library implements. Headers state the oldest minor version
+// with the same layout of the container, so that older readers refuse only what they do not know.
 inline constexpr std::uint16_t format_version_major = 0;
 inline constexpr std::uint16_t format_version_minor = 7;
 

@@ -151,8 +151,8 @@ ViewAlignment alignment_by(const Motion& along_u, const Motion& along_v) {
     return best;
 }
 
-// Surfaces have no views that differ by parallax only. All layers of a file lie on its mesh, which the
-// first one alone has.
+// Surfaces have no views that differ by parallax only. All layers of a file lie on its mesh, which
+// the first one alone has.
 bool may_be_views(const EncodePlan& plan) {
     const Extent4& size = plan.colour.desc.size;
     const Description& description = plan.options.description;

@@ -14,8 +14,8 @@ namespace {
 constexpr std::uint64_t difference_paths = 0x64696666;
 constexpr double least_difference = 0.01; // root of the mean square that is worth a layer
 
-// What a display would show if it had some more light than white, up to the value `most`. Noisy light,
-// and samples between white and darker ones, would be too dark if each were cut at white.
+// What a display would show if it had some more light than white, up to the value `most`. Noisy
+// light, and samples between white and darker ones, would be too dark if each were cut at white.
 double shown_with_headroom(double light, double most) {
     constexpr double slope = 1.055 / 2.4; // of sRGB at white
     return light <= 1.0 ? linear_to_srgb(light) : std::min(1.0 + slope * (light - 1.0), most);
@@ -146,8 +146,8 @@ bake_difference_layer(const ModelPlaces& places, const PlaceLight& light, const 
             coated[std::size_t{v} * all[0] + u] = true;
             passes = passes || lobes.coats.through != glm::dvec3(0.0);
         }
-    // Which way light passes curved surfaces changes from place to place, twice as fast as their normal
-    // for the same mirrored direction.
+    // Which way light passes curved surfaces changes from place to place, twice as fast as their
+    // normal for the same mirrored direction.
     const std::uint32_t side = passes ? 12 : 16;
     const std::size_t most_cells = passes ? 2048 : 1024;
     CoatedCells cells = cells_of(coated, all, passes ? 2 : 4);

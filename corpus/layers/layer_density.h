@@ -13,8 +13,8 @@ struct LayerDensity {
     std::uint32_t light_texel = 2; // texels along a side of one of the visibility
 };
 
-// Models with fine pictures have four times the usual texels, which take few bytes where the pictures
-// are smooth. Light is as fine as usual then. `texels`: as many instead.
+// Models with fine pictures have four times the usual texels, which take few bytes where the
+// pictures are smooth. Light is as fine as usual then. `texels`: as many instead.
 LayerDensity layer_density(const Model& model, std::optional<double> texels = std::nullopt);
 
 } // namespace tessera::corpus

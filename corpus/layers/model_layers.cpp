@@ -32,9 +32,9 @@ double normals_agree(const ModelAtlas& atlas) {
     return count > 0.0 ? sum / count : 1.0;
 }
 
-// Rounded positions move edges, which all views show, and few triangles take few bytes. A bit halves
-// the error of all edges, and its bytes grow with the triangles. The error shows more where observers
-// come nearer than the size of the model suggests.
+// Rounded positions move edges, which all views show, and few triangles take few bytes. A bit
+// halves the error of all edges, and its bytes grow with the triangles. The error shows more where
+// observers come nearer than the size of the model suggests.
 unsigned position_bits(const Model& model, const ViewedScale& viewed,
                        const ModelLayersOptions& options) {
     constexpr double many = 95'000, most = 16; // the first: FlightHelmet, in 11 bits

@@ -166,9 +166,9 @@ inline glm::dvec3 area_vector(const Model& model, const ModelTriangle& triangle)
                       glm::dvec3(model.vertices[c].position) - p);
 }
 
-// Reads a model. The suffix states its kind: .gltf and .glb (glTF 2.0), .obj, .ply or .stl. The model is
-// moved and scaled to fill the paper's sphere, radius 3.5 around the origin. Extensions of glTF
-// that are read: KHR_draco_mesh_compression, EXT_meshopt_compression, KHR_mesh_quantization,
+// Reads a model. The suffix states its kind: .gltf and .glb (glTF 2.0), .obj, .ply or .stl. The
+// model is moved and scaled to fill the paper's sphere, radius 3.5 around the origin. Extensions of
+// glTF that are read: KHR_draco_mesh_compression, EXT_meshopt_compression, KHR_mesh_quantization,
 // KHR_texture_transform, KHR_lights_punctual, EXT_mesh_gpu_instancing, EXT_texture_webp, and
 // KHR_materials_anisotropy, _clearcoat, _emissive_strength, _ior, _iridescence,
 // _pbrSpecularGlossiness, _sheen, _specular, _transmission, _unlit and _volume. Model::notes names

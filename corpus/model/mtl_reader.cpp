@@ -1,5 +1,5 @@
-// The reader uses the statements newmtl, Kd, Ke, Ns, d, Tr, Pr, Pm, Pc, Pcr, map_Kd, map_Ke, map_d, map_Pr,
-// map_Pm, norm and map_Bump. It notes other maps, sheen and anisotropy.
+// The reader uses the statements newmtl, Kd, Ke, Ns, d, Tr, Pr, Pm, Pc, Pcr, map_Kd, map_Ke, map_d,
+// map_Pr, map_Pm, norm and map_Bump. It notes other maps, sheen and anisotropy.
 #include "corpus/model/mtl_reader.h"
 
 #include "corpus/model/bump_map.h"
@@ -40,8 +40,8 @@ std::string_view texture_name(std::string_view rest) {
     }
 }
 
-// The path of a picture that a .mtl file in `folder` names. Absolute paths are often those of another
-// computer, on which the picture lay beside the model.
+// The path of a picture that a .mtl file in `folder` names. Absolute paths are often those of
+// another computer, on which the picture lay beside the model.
 std::string picture_path(const std::string& folder, std::string_view name) {
     const std::string text = with_slashes(name);
     const std::string usual = folder + "/" + text,
@@ -221,7 +221,8 @@ bool MtlMaterial::read(const std::string& keyword, std::string_view rest,
         if (!parse_real(first, number))
             return false;
         if (keyword == "d" || keyword == "tr") {
-            // Some exporters write 0 for opaque and for transparent. Nobody models what nobody sees.
+            // Some exporters write 0 for opaque and for transparent. Nobody models what nobody
+            // sees.
             const double share = std::clamp(keyword == "d" ? number : 1.0 - number, 0.0, 1.0);
             if (share > 0.0)
                 opacity = share;

@@ -1,5 +1,5 @@
-// Polygons as in .obj, .ply and .stl files: a corner has separate indices of its position, its texture
-// coordinates and its normal.
+// Polygons as in .obj, .ply and .stl files: a corner has separate indices of its position, its
+// texture coordinates and its normal.
 #pragma once
 
 #include "corpus/model/model_builder.h"

@@ -32,7 +32,8 @@ void measure_sides(FlatChart& chart, const Model& model);
 double density_with_gutters(const std::vector<FlatChart>& charts, double density, double texels);
 
 // Packs the charts at `density` texels per world unit. Large charts start at multiples of the tile;
-// small ones share a tile. The sides of the atlas are multiples of `side_step`. Error: unsupported (too large for an atlas).
+// small ones share a tile. The sides of the atlas are multiples of `side_step`. Error: unsupported
+// (too large for an atlas).
 Result<Atlas> pack_charts(const std::vector<FlatChart>& charts, double density, const Texels2& tile,
                           std::uint32_t side_step = 1);
 

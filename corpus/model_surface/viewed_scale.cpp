@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t most_samples = 1024;
 constexpr std::size_t share_held = 20; // a ball holds one of so many samples
-// Most models have some creases that are much finer than the rest. The finest quarter of samples, with
-// a factor, leaves them at one density.
+// Most models have some creases that are much finer than the rest. The finest quarter of samples,
+// with a factor, leaves them at one density.
 constexpr std::size_t share_nearest = 4;
 constexpr double tolerance = 4.0;
 constexpr double least_radius = 1.0 / 2048; // of the extent

@@ -5,9 +5,9 @@
 
 namespace tessera::corpus {
 
-// Observers come near what is small: they look at a palm from a few units away and see the sea around
-// it aslant and far away, however large it is. So a place is seen from about the distance at which
-// there are edges and creases to look at. Immutable and thread-safe.
+// Observers come near what is small: they look at a palm from a few units away and see the sea
+// around it aslant and far away, however large it is. So a place is seen from about the distance at
+// which there are edges and creases to look at. Immutable and thread-safe.
 class ViewedScale {
 public:
     explicit ViewedScale(const Model& model);

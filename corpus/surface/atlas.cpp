@@ -54,8 +54,9 @@ std::uint32_t pack_into(std::vector<stbrp_rect>& rectangles, std::uint32_t width
     return height;
 }
 
-// Packs rectangles with sides above 0 into the smallest rectangle that the search finds, whose sides
-// are multiples of `steps`. The result is the same on every machine. Error: unsupported (no packing below 2^15 per side).
+// Packs rectangles with sides above 0 into the smallest rectangle that the search finds, whose
+// sides are multiples of `steps`. The result is the same on every machine. Error: unsupported (no
+// packing below 2^15 per side).
 Result<RectPacking> pack_rectangles(std::span<const Texels2> sides, const Texels2& steps) {
     std::vector<stbrp_rect> rectangles;
     std::uint32_t widest = 1, tallest = most_slim;

@@ -13,8 +13,8 @@ bool is_rough_wall(const LitPoint& p);
 // The wall from its other side, where rays begin that have passed it.
 LitPoint other_side(LitPoint p);
 
-// The lobe of a rough wall: that of a mirror of the same roughness, on the other side. Directions of
-// light point away from there.
+// The lobe of a rough wall: that of a mirror of the same roughness, on the other side. Directions
+// of light point away from there.
 struct RoughWallLobe {
     const LitPoint& p; // on the side of the view
     glm::dvec3 view;

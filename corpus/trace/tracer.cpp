@@ -27,8 +27,8 @@ bool is_above(const LitPoint& p, const glm::dvec3& direction) {
     return glm::dot(direction, p.normal) > 0.0 && glm::dot(direction, p.face) > 0.0;
 }
 
-// Makes the mirrors of a place rougher that a path meets after lobes whose widest GGX has this alpha
-// (Jendersie and Grosch, "Microfacet model regularization for robust light transport", 2019).
+// Makes the mirrors of a place rougher that a path meets after lobes whose widest GGX has this
+// alpha (Jendersie and Grosch, "Microfacet model regularization for robust light transport", 2019).
 void blur(Lobes& lobes, double widest) {
     const double least_alpha = std::min(widest, wide_alpha);
     lobes.alpha = std::max(lobes.alpha, least_alpha);
@@ -120,9 +120,9 @@ glm::dvec3 Tracer::from_emitters(const LitPoint& point, const Lobe& lobe,
            passing_share(start, near.direction, std::max(near.distance - off, 0.0));
 }
 
-// Light from the sun and lamps, from a sampled direction of the environment and from a sampled place of an
-// emitting triangle. The directions of the lobe meet the latter two, too, in arriving(); the balance
-// heuristic weights both.
+// Light from the sun and lamps, from a sampled direction of the environment and from a sampled
+// place of an emitting triangle. The directions of the lobe meet the latter two, too, in
+// arriving(); the balance heuristic weights both.
 template <class Lobe>
 glm::dvec3 Tracer::direct(const LitPoint& point, const Lobe& lobe, PathRandom& random) const {
     const glm::dvec3 start = start_of(point);

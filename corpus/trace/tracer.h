@@ -34,10 +34,11 @@ LampLight lamp_light(const ModelLamp& lamp, const glm::dvec3& place);
 
 // A model in its light. Each function returns the estimate of one path. Estimates are unbiased with
 // two exceptions. Mirrors that are seen indirectly are as rough as the roughest surface before
-// them on the path, up to a roughness of 0.3, because otherwise a few paths would be very bright. And light passes volumes, which bend it, only along
-// paths that start at the observer: a lamp casts a shadow of a glass ball without a bright spot.
-// Clear walls without a volume cast tinted shadows. Paths pass surfaces that blend at random, those
-// from the observer in the right shares. Immutable and thread-safe.
+// them on the path, up to a roughness of 0.3, because otherwise a few paths would be very bright.
+// And light passes volumes, which bend it, only along paths that start at the observer: a lamp
+// casts a shadow of a glass ball without a bright spot. Clear walls without a volume cast tinted
+// shadows. Paths pass surfaces that blend at random, those from the observer in the right shares.
+// Immutable and thread-safe.
 class Tracer {
 public:
     static constexpr double off = 1e-4; // rays start this far off a surface, in world units
@@ -70,8 +71,8 @@ public:
         double density = 0; // per steradian
     };
     Incoming incoming(const LitPoint& point, PathRandom& random) const;
-    // The light of the model alone that reaches the point, from two kinds of samples: its mean is the
-    // sum of those of light / density of both. For each one that follows the cosine around the
+    // The light of the model alone that reaches the point, from two kinds of samples: its mean is
+    // the sum of those of light / density of both. For each one that follows the cosine around the
     // normal, `toward_emitters` go to emitting triangles, which takes a single ray each.
     Incoming incoming_of_model(const LitPoint& point, double toward_emitters,
                                PathRandom& random) const;
@@ -82,12 +83,12 @@ public:
                            double shared, double own) const;
     glm::dvec3 specular_own(const LitPoint& point, const glm::dvec3& view, double shared,
                             double own, PathRandom& random) const;
-    // The specular light of the model alone: without that of the environment, the sun and lamps that
-    // reaches the point directly.
+    // The specular light of the model alone: without that of the environment, the sun and lamps
+    // that reaches the point directly.
     glm::dvec3 specular_of_model(const LitPoint& point, const glm::dvec3& view,
                                  PathRandom& random) const;
-    // The light of the model that reaches the point from this direction, which is a unit vector above
-    // the face.
+    // The light of the model that reaches the point from this direction, which is a unit vector
+    // above the face.
     glm::dvec3 from_model(const LitPoint& point, const glm::dvec3& direction,
                           PathRandom& random) const;
     // Light from behind the surface that leaves along `view`, if the material lets light pass or
@@ -115,9 +116,9 @@ private:
                            const Hit& hit) const;
     // Light along a ray that meets `hit`. Its direction was sampled with this density. Without the
     // share of the environment and of emission at `hit` that direct() counts. An infinite density
-    // means that direct() was not called. `widest`: the alpha of the widest lobe that the path has met.
-    // `beyond`: the light beyond the model if the ray comes straight, through clear walls at most,
-    // instead of that of the environment.
+    // means that direct() was not called. `widest`: the alpha of the widest lobe that the path has
+    // met. `beyond`: the light beyond the model if the ray comes straight, through clear walls at
+    // most, instead of that of the environment.
     glm::dvec3 arriving(glm::dvec3 origin, glm::dvec3 direction, Hit hit, double density,
                         double widest, PathRandom& random,
                         std::optional<glm::dvec3> beyond = {}) const;
@@ -140,8 +141,8 @@ private:
         bool is_straight = false; // through a clear wall
     };
     PassedRay pass(const LitPoint& point, const glm::dvec3& view, PathRandom& random) const;
-    // The light of direct() that arrives at the other side of a rough wall and leaves along `view`; 0 for
-    // other surfaces.
+    // The light of direct() that arrives at the other side of a rough wall and leaves along `view`;
+    // 0 for other surfaces.
     glm::dvec3 direct_from_behind(const LitPoint& point, const glm::dvec3& view,
                                   PathRandom& random) const;
     // From a place within a volume to where the ray leaves it.

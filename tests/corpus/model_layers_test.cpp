@@ -203,7 +203,8 @@ TEST(ModelLayers, LightThatPassesIsEmitted) {
     EXPECT_NEAR(sum / count, 0.5, 0.03);
 }
 
-// Cloth is bright at its rim, which no lobe of the layers shows. Coats that do nothing need no layer.
+// Cloth is bright at its rim, which no lobe of the layers shows. Coats that do nothing need no
+// layer.
 TEST(ModelLayers, WhatLobesCannotShowIsALayerOfDifferences) {
     Model model = ball_model(8);
     ModelMaterial& m = model.materials[0];
@@ -428,7 +429,8 @@ TEST(ModelLayers, ReflectionsOfModelsWithLampsHaveMoreDirections) {
     EXPECT_EQ(reflection_layout(model, false, 1000).texel, ReflectionLayout().texel);
 }
 
-// A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one keeps.
+// A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one
+// keeps.
 TEST(EnvironmentLayer, LobesBlurTheEnvironment) {
     const auto light_at = [](const LayerTexture& layer, std::size_t texel) {
         const double root = srgb_to_linear(std::to_integer<int>(layer.texels[3 * texel]) / 255.0);

@@ -35,8 +35,8 @@ TEST(Transmission, ThinWallsTintLightOnce) {
     EXPECT_NEAR(glm::distance(twice, glm::dvec3(0.25, 0.0625, 1.0)), 0, 0.03);
 }
 
-// As through surfaces that blend, an observer sees the backdrop straight through clear walls, however
-// many, and the environment through volumes.
+// As through surfaces that blend, an observer sees the backdrop straight through clear walls,
+// however many, and the environment through volumes.
 TEST(Transmission, ObserversSeeTheBackdropThroughClearWalls) {
     Model model;
     model.materials = {glass(glm::dvec3(1.0), 1.5)};

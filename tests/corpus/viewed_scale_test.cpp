@@ -69,7 +69,8 @@ TEST(ViewedScale, FloorsAreCutAroundSmallThings) {
     EXPECT_GT(least, 1.0 / 256);
 }
 
-// The back of a ground faces nothing that observers come near. Both sides of a lone sheet are alike.
+// The back of a ground faces nothing that observers come near. Both sides of a lone sheet are
+// alike.
 TEST(ViewedScale, BacksThatFaceNothingHaveFewerTexels) {
     Model ground = cube_on_floor();
     ground.materials[0].double_sided = true;

@@ -1,4 +1,5 @@
-// Models. The first byte says which kind (g: .gltf, b: .glb, o: .obj, p: .ply, s: .stl), the rest is the file.
+// Models. The first byte says which kind (g: .gltf, b: .glb, o: .obj, p: .ply, s: .stl), the rest
+// is the file.
 #include "corpus/model/model.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/support/model_files.h"

@@ -9,8 +9,8 @@ namespace tessera {
 bool is_on_own_surfaces(const BakeCommand& a);
 
 // Layers, if options allow them, where some objects shine: they are smaller (codec/decisions.csv).
-// Errors: those of corpus::make_scene() and check_layered(); unsupported, if --layered asks for what
-// layers cannot hold.
+// Errors: those of corpus::make_scene() and check_layered(); unsupported, if --layered asks for
+// what layers cannot hold.
 Result<BakeChoice> choose_scene_layers(const BakeCommand& a);
 
 // Bakes a scene into a file with layers, and reports it. Errors: those of bake_scene_layers() and

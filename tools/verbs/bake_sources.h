@@ -76,9 +76,10 @@ Result<GlbReport> write_baked_glb(const BakeCommand& a, std::span<const std::byt
 // The wishes of --density, --directions and --tile. Errors: bad_argument.
 Result<corpus::SurfaceWish> surface_wish(const BakeCommand& a);
 
-// A texture on a sphere or, with --proxy mesh and for models, on the surfaces themselves. `model` is
-// the one that the command names, or nullptr for a scene. Removes the words from the description in
-// `a` that it has applied. Errors: bad_argument, if options do not go together; those of the bakers.
+// A texture on a sphere or, with --proxy mesh and for models, on the surfaces themselves. `model`
+// is the one that the command names, or nullptr for a scene. Removes the words from the description
+// in `a` that it has applied. Errors: bad_argument, if options do not go together; those of the
+// bakers.
 Result<Baking> make_baking(BakeCommand& a, ModelToBake* model);
 
 // Facts as metadata: their names begin with a capital letter.

@@ -104,8 +104,8 @@ Status open_texture_of(const StageRequest& r, Stage& stage) {
     return {};
 }
 
-// Meshes of models and photographs have their own units and place. Those that fill the sphere of the
-// paper's scene are seen as that scene. As defaultPose() in tools/web/viewer/surfaces.js.
+// Meshes of models and photographs have their own units and place. Those that fill the sphere of
+// the paper's scene are seen as that scene. As defaultPose() in tools/web/viewer/surfaces.js.
 ViewFrame frame_of(const SurfaceMesh& mesh) {
     constexpr double paper_extent = 3.6, least_radius = 2.0, most_away = 1.0;
     const MeshBounds bounds = bounds_of(mesh);
@@ -182,8 +182,8 @@ Status add_cpu_renderer(const FileSurface& surface, Stage& stage) {
     return {};
 }
 
-// The coarsest level of a file, if it has any. It decodes fastest, and the device's coarse texels are
-// no finer. The texels are added to `kept`.
+// The coarsest level of a file, if it has any. It decodes fastest, and the device's coarse texels
+// are no finer. The texels are added to `kept`.
 CoarseLevel coarsest_level(const Decoder& decoder,
                            std::vector<std::unique_ptr<TexelSource>>& kept) {
     const auto& levels = decoder.container().levels();
