@@ -101,6 +101,10 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
         out.lights = lights.lights(options.exposure);
     PlaceLightOptions gathering = options.light;
     gathering.exposure = options.exposure;
+    if (!mirrors) { // unlit: nothing multiplies the light, but texels need to know that some arrives
+        gathering.diffuse_samples = gathering.emitter_samples = 2;
+        gathering.shadow_samples = gathering.most_times = 1;
+    }
     TESSERA_TRY_ASSIGN(const PlaceLight places,
                        PlaceLight::make(coarse, tracer, lights, gathering, options.run));
     out.noise = places.noise();
