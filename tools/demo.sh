@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The main job, end to end. The paper's composed scene, baked straight into compressed files: on the
-# surfaces of its things, in layers of colours and of what depends on the direction, and on the paper's
+# surfaces of its things, in a layer of colours and one of highlights and mirror images, and on the paper's
 # sphere around them; what an observer sees of both, beside the ray traced truth. Then the sphere's texture
 # is decoded, compared with the texture itself, and drawn on the GPU, decoded there as the views ask for
 # it; both end as pages for a browser. Output: demo_output/.

@@ -5,6 +5,7 @@
 #include "corpus/layers/layer_trial.h"
 #include "corpus/layers/model_layers.h"
 #include "corpus/layers/sharp_reflections.h"
+#include "tests/support/baked_layers.h"
 #include "tests/support/traced_squares.h"
 
 #include <numbers>
@@ -13,30 +14,6 @@ namespace tessera::corpus {
 namespace {
 
 using namespace support;
-
-const LayerTexture& layer(const ModelLayers& layers, LayerRole role) {
-    for (const LayerTexture& texture : layers.layers)
-        if (texture.role == role)
-            return texture;
-    ADD_FAILURE() << "no layer " << name_of(role);
-    return layers.layers.front();
-}
-
-ModelLayers baked(const Model& model, const ModelLight& light, const ModelLayersOptions& options) {
-    auto layers = bake_model_layers(model, light, options);
-    EXPECT_TRUE(layers.ok()) << layers.status().message();
-    return std::move(*layers);
-}
-
-ModelLayersOptions quick() {
-    ModelLayersOptions options;
-    options.texels = 6000;
-    options.lights = 4;
-    options.samples = 8;
-    options.light.diffuse_samples = 64;
-    options.run.threads = 2;
-    return options;
-}
 
 // A convex body in uniform light sees all lights and leaves the same diffuse light everywhere.
 TEST(ModelLayers, ConvexBodiesAreLitEvenly) {
@@ -178,83 +155,6 @@ TEST(ModelLayers, HalfTransparentCardsCastHalfAShadow) {
     for (const std::byte x : diffuse.texels)
         brightest = std::max(brightest, srgb_to_linear(std::to_integer<int>(x) / 255.0));
     EXPECT_NEAR(brightest * diffuse.scale, 0.5 * 3.0 * 0.96 / std::numbers::pi, 0.03);
-}
-
-// A clear wall shows the light behind it in the layer of emission.
-TEST(ModelLayers, LightThatPassesIsEmitted) {
-    Model model = ball_model(8);
-    ModelMaterial& m = model.materials[0];
-    m.metal = m.reflectance = m.specular = m.roughness = 0.0;
-    m.base = {0.5, 0.5, 0.5, 1};
-    m.coats = ModelCoats{};
-    m.coats->through = 1.0;
-    ModelLayersOptions options = quick();
-    options.texels = 1000;
-    options.light.diffuse_samples = 8;
-    const ModelLayers layers = baked(model, white_light(), options);
-    const LayerTexture& emission = layer(layers, LayerRole::emission);
-    double sum = 0, count = 0;
-    for (std::size_t i = 0; i < emission.mask.size(); ++i)
-        if (emission.mask[i] != std::byte{0}) {
-            sum += emission.scale *
-                   srgb_to_linear(std::to_integer<int>(emission.texels[3 * i]) / 255.0);
-            ++count;
-        }
-    EXPECT_NEAR(sum / count, 0.5, 0.03);
-}
-
-// Cloth is bright at its rim, which no lobe of the layers shows. Coats that do nothing need no
-// layer.
-TEST(ModelLayers, WhatLobesCannotShowIsALayerOfDifferences) {
-    Model model = ball_model(8);
-    ModelMaterial& m = model.materials[0];
-    m.metal = 0.0;
-    m.base = {0, 0, 0.2, 1};
-    m.coats = ModelCoats{};
-    ModelLayersOptions options = quick();
-    options.texels = 1000;
-    options.light.diffuse_samples = 8;
-    const auto has_differences = [&](const ModelLayers& layers) {
-        return std::ranges::any_of(layers.layers, [](const LayerTexture& texture) {
-            return texture.role == LayerRole::difference;
-        });
-    };
-    EXPECT_FALSE(has_differences(baked(model, white_light(), options)));
-    m.coats->sheen = glm::dvec3(1.0);
-    m.coats->sheen_roughness = 0.3;
-    const ModelLayers cloth = baked(model, white_light(), options);
-    const LayerTexture& difference = layer(cloth, LayerRole::difference);
-    EXPECT_GT(difference.scale, 0.1);
-    const std::uint32_t side = difference.desc.size[axis_s];
-    const auto cells = difference.mask.size();
-    ASSERT_EQ(difference.texels.size(), 3 * cells * side * side);
-    for (std::size_t i = 0; i < cells; ++i)
-        if (difference.mask[i] != std::byte{0}) {
-            const auto begin =
-                difference.texels.begin() + static_cast<std::ptrdiff_t>(3 * i * side * side);
-            const auto [least, most] = std::minmax_element(begin, begin + 3 * side * side);
-            EXPECT_LT(std::to_integer<int>(*least), 128) << i; // facing the observer
-            EXPECT_GT(std::to_integer<int>(*most), 140) << i;  // at the rim
-        }
-}
-
-// Light above white that passes glass is stored above white, so that noise does not make it darker.
-TEST(ModelLayers, BrightLightBehindRoughGlassHasHeadroom) {
-    Model model = ball_model(8);
-    ModelMaterial& m = model.materials[0];
-    m.metal = 0.0;
-    m.base = {1, 1, 1, 1};
-    m.coats = ModelCoats{};
-    m.coats->through = 1.0;
-    m.roughness = 0.5;
-    ModelLayersOptions options = quick();
-    options.texels = 1000;
-    options.light.diffuse_samples = 8;
-    options.exposure = 3.0;
-    const ModelLayers layers = baked(model, white_light(), options);
-    const LayerTexture& difference = layer(layers, LayerRole::difference);
-    EXPECT_GT(difference.scale, 0.2);
-    EXPECT_LE(difference.scale, 1.3);
 }
 
 // Scans are often unlit (KHR_materials_unlit): nothing but their colour is seen.
