@@ -2,16 +2,19 @@
 
 #include "corpus/model_surface/chart_detail.h"
 
+#include <algorithm>
+
 namespace tessera::corpus {
 
 LayerDensity layer_density(const Model& model, std::optional<double> texels) {
-    constexpr LayerDensity usual{.texels = 1'000'000, .light_texel = 2},
-        fine{.texels = 4'000'000, .light_texel = 4};
+    constexpr double per_pictured = 3, least = 1e6, most = 2e6;
+    constexpr LayerDensity fine{.texels = 4e6, .light_texel = 4};
     double pictured = 0;
     for (const ModelTriangle& triangle : model.triangles)
         pictured += material_texels(model, triangle);
-    LayerDensity density =
-        pictured >= fine.texels && texels.value_or(fine.texels) >= fine.texels ? fine : usual;
+    LayerDensity density{.texels = std::clamp(per_pictured * pictured, least, most)};
+    if (pictured >= fine.texels && texels.value_or(fine.texels) >= fine.texels)
+        density = fine;
     density.texels = texels.value_or(density.texels);
     return density;
 }

@@ -13,8 +13,9 @@ struct LayerDensity {
     std::uint32_t light_texel = 2; // texels along a side of one of the visibility
 };
 
-// Models with fine pictures have four times the usual texels, which take few bytes where the
-// pictures are smooth. Light is as fine as usual then. `texels`: as many instead.
+// Three texels for each one that the model's pictures have on its surface, as the two grids do not
+// agree, but one to two million. Models whose pictures have at least four million there have four,
+// with light for 4x4 instead of 2x2 of them. `texels`: as many instead.
 LayerDensity layer_density(const Model& model, std::optional<double> texels = std::nullopt);
 
 } // namespace tessera::corpus

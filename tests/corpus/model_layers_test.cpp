@@ -452,8 +452,12 @@ TEST(ModelLayers, TexelsFollowPictures) {
         model.vertices[i].uv[0] = {i % 2, i / 2};
     EXPECT_EQ(layer_density(model).texels, 1e6);
     model.materials[0].base_texture.image = 0;
-    model.images.push_back({1024, 1024, {}});
+    model.images.push_back({512, 512, {}});
     EXPECT_EQ(layer_density(model).texels, 1e6);
+    model.images[0] = {512, 1024, {}};
+    EXPECT_NEAR(layer_density(model).texels, 3.0 * 512 * 1024, 1.0);
+    model.images[0] = {1024, 1024, {}};
+    EXPECT_EQ(layer_density(model).texels, 2e6);
     EXPECT_EQ(layer_density(model).light_texel, 2u);
     model.images[0].width = model.images[0].height = 2048;
     EXPECT_EQ(layer_density(model).texels, 4e6);

@@ -253,8 +253,9 @@ void declare(CLI::App& c, BakeCommand& a) {
                 "paths decides, for scenes on a mesh whether something shines");
     layers.flag("--single", a.single, "Bake one texture of all light instead");
     layers.option("--texels", "N", a.texels,
-                  "Texels of a model's layer of colours. Default: 1000000, or 4000000 if its "
-                  "pictures have at least as many",
+                  "Texels of a model's layer of colours. Default: three for each one that its "
+                  "pictures have on its surface, but 1000000 to 2000000, or 4000000 if they have "
+                  "at least as many",
                   number_between(1024, 67108864));
     layers.option("--lights", "N", a.lights,
                   "Lights that stand for the environment; 0: none, reflections hold all light. "
