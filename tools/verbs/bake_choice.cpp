@@ -96,9 +96,13 @@ std::string option_of_one_texture(const BakeCommand& a) {
     return "";
 }
 
+std::string option_of_model_layers(const BakeCommand& a) {
+    return a.texels ? "--texels" : a.lights ? "--lights" : a.noise ? "--noise" : "";
+}
+
 Result<BakeChoice> choose_layers(const BakeCommand& a, const ModelToBake& model) {
     BakeChoice choice;
-    const std::string of_one = option_of_one_texture(a);
+    const std::string of_one = option_of_one_texture(a), of_layers = option_of_model_layers(a);
     bool is_asked = true;
     if (a.layered || a.single) {
         choice.layered = a.layered;
@@ -106,11 +110,8 @@ Result<BakeChoice> choose_layers(const BakeCommand& a, const ModelToBake& model)
     } else if (!of_one.empty()) {
         choice.layered = false;
         choice.why = of_one + " does not apply to layers";
-    } else if (a.texels || a.lights || a.noise) {
-        choice.why = std::string(a.texels   ? "--texels"
-                                 : a.lights ? "--lights"
-                                            : "--noise") +
-                     " applies to layers only";
+    } else if (!of_layers.empty()) {
+        choice.why = of_layers + " applies to layers only";
     } else {
         is_asked = false;
     }

@@ -15,6 +15,9 @@ struct BakeChoice {
 // The first option that only one texture can honour, as it is typed; empty: none.
 std::string option_of_one_texture(const BakeCommand& a);
 
+// The first option that only layers of a model can honour, as it is typed; empty: none.
+std::string option_of_model_layers(const BakeCommand& a);
+
 // Follows --layered, --single and other options that only one of both can honour, else a trial with
 // a few paths. Errors: those of corpus::try_layers().
 Result<BakeChoice> choose_layers(const BakeCommand& a, const ModelToBake& model);

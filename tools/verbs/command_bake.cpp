@@ -126,12 +126,8 @@ Status bake_plain(const BakeCommand& a, const Baking& baking, const EncodeOption
 
 // Refuses options that only layers can honour.
 Status check_no_layer_options(const BakeCommand& a, const std::string& why) {
-    for (const auto& [option, given] :
-         {std::pair("--layered", a.layered), std::pair("--texels", a.texels.has_value()),
-          std::pair("--lights", a.lights.has_value()), std::pair("--noise", a.noise.has_value())})
-        if (given)
-            return {ErrorCode::bad_argument, std::string(option) + ": " + why};
-    return {};
+    const std::string option = a.layered ? "--layered" : option_of_model_layers(a);
+    return option.empty() ? Status() : Status(ErrorCode::bad_argument, option + ": " + why);
 }
 
 Status bake_texture(BakeCommand a, ModelToBake* model) {
@@ -160,12 +156,9 @@ Status bake_model(const BakeCommand& a) {
 }
 
 Status bake_scene(const BakeCommand& a) {
-    for (const auto& [option, given] :
-         {std::pair("--texels", a.texels.has_value()), std::pair("--lights", a.lights.has_value()),
-          std::pair("--noise", a.noise.has_value())})
-        if (given)
-            return {ErrorCode::bad_argument,
-                    std::string(option) + ": needs a model, not the built-in scene " + a.scene};
+    if (const std::string option = option_of_model_layers(a); !option.empty())
+        return {ErrorCode::bad_argument,
+                option + ": needs a model, not the built-in scene " + a.scene};
     TESSERA_TRY(check_scene(a.scene));
     if (!is_on_own_surfaces(a)) {
         if (a.layered || a.single)
