@@ -1,9 +1,9 @@
 #!/bin/sh
-# Renders models with `render --truth` and with Blender Cycles and compares both: the table "Truth
-# beside Blender Cycles" of tests/regression/models.md.
+# Renders models with `render --truth` and with Blender Cycles and compares both, their pictures and
+# then their times: the tables "Truth beside Blender Cycles" of tests/regression/models.md.
 #   tools/lab/scripts/cycles_truth.sh TESSERA SHARED OUT [PATHS]
 # SHARED holds the folder assets of models and environments. Each pixel gets PATHS paths, a multiple
-# of 16, 128 by default. Needs Blender 3.4; takes two to four minutes on two shared cores.
+# of 16, 128 by default. Needs Blender 3.4; takes five to nine minutes on two shared cores.
 set -eu
 tool=$1 assets=$2/assets out=$3 paths=${4:-128}
 models=$assets/models environment=$assets/studio.exr
@@ -36,3 +36,17 @@ compare alpha "$models/AlphaBlendModeTest.glb" 0,1.744,7.632 0,1.099,-0.1 ''
 compare alpha-unblended "$models/AlphaBlendModeTest.glb" 0,1.744,7.632 0,1.099,-0.1 MatBlend
 compare sunglasses "$models/SunglassesKhronos.glb" 0.0608,0.0896,0.106 0,0.0288,-0.0764 lens_interior,lens_exterior,nose_pads
 compare helmet "$models/FlightHelmet/FlightHelmet.gltf" 0.2443,0.5218,0.9844 -0.02035,0.358,0.01419 LensesMat
+
+# The table of times: speed NAME MODEL EYE LOOK, after compare
+speed() {
+    printf '%s\n' "$1"
+    blender -b --python-exit-code 1 -P "$(dirname "$0")/cycles_speed.py" -- "$tool" "$out/$1.tess" "$2" \
+        "$environment" "$3" "$4" $exposure 128 > "$out/$1-speed.log"
+    grep noise "$out/$1-speed.log"
+}
+
+speed cornell "$models/CornellBox.glb" -278,274.4,955.6 -278,274.4,-279.6
+speed teapot "$models/teapot.obj" 5.943,5.392,5.727 0.217,1.575,0
+speed alpha "$models/AlphaBlendModeTest.glb" 0,1.744,7.632 0,1.099,-0.1
+speed sunglasses "$models/SunglassesKhronos.glb" 0.0304,0.0592,0.0148 0,0.0288,-0.0764
+speed helmet "$models/FlightHelmet/FlightHelmet.gltf" 0.2443,0.5218,0.9844 -0.02035,0.358,0.01419
