@@ -6,26 +6,26 @@
 namespace tessera::corpus {
 namespace {
 
-template <int n, class Vector>
-Status take(const draco::Mesh& mesh, const DracoUse& use, const char* name,
-            std::vector<Vector>& values, float otherwise = 0.0f) {
+template <class Vector>
+Status take(const draco::Mesh& mesh, const DracoUse& use, const std::string& name,
+            std::vector<Vector>& values, float otherwise) {
     const auto it = use.attributes.find(name);
     if (it == use.attributes.end())
         return {};
     const draco::PointAttribute* const attribute =
         it->second < 0 ? nullptr
                        : mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(it->second));
-    if (attribute == nullptr || attribute->num_components() > n)
-        return {ErrorCode::invalid_file, std::string("the Draco stream has no usable attribute ") +
-                                             name + ", id " + std::to_string(it->second)};
+    if (attribute == nullptr || attribute->num_components() > Vector::length())
+        return {ErrorCode::invalid_file, "the Draco stream has no usable attribute " + name +
+                                             ", id " + std::to_string(it->second)};
     values.assign(mesh.num_points(), Vector(otherwise));
     for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
         const draco::AttributeValueIndex at = attribute->mapped_index(draco::PointIndex(i));
         std::array<float, 4> x{otherwise, otherwise, otherwise, otherwise};
         if (at.value() >= attribute->size() ||
             !attribute->ConvertValue<float>(at, attribute->num_components(), x.data()))
-            return {ErrorCode::invalid_file, std::string("the Draco stream's ") + name + " " +
-                                                 std::to_string(i) + " is missing"};
+            return {ErrorCode::invalid_file,
+                    "the Draco stream's " + name + " " + std::to_string(i) + " is missing"};
         for (int c = 0; c < attribute->num_components(); ++c)
             values[i][c] = x[static_cast<std::size_t>(c)];
     }
@@ -35,7 +35,7 @@ Status take(const draco::Mesh& mesh, const DracoUse& use, const char* name,
 } // namespace
 
 Status decode_draco_part(std::span<const unsigned char> stream, const DracoUse& use,
-                         ModelPart& part) {
+                         const Attributes& attributes, ModelPart& part) {
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
     draco::Decoder decoder;
@@ -46,12 +46,10 @@ Status decode_draco_part(std::span<const unsigned char> stream, const DracoUse& 
     const draco::Mesh& mesh = *decoded.value();
     if (mesh.num_points() > most_vertices || mesh.num_faces() > most_vertices)
         return {ErrorCode::unsupported, "the Draco stream has too many vertices or triangles"};
-    TESSERA_TRY(take<3>(mesh, use, "POSITION", part.positions));
-    TESSERA_TRY(take<3>(mesh, use, "NORMAL", part.normals));
-    TESSERA_TRY(take<4>(mesh, use, "TANGENT", part.tangents));
-    TESSERA_TRY(take<2>(mesh, use, "TEXCOORD_0", part.uv[0]));
-    TESSERA_TRY(take<2>(mesh, use, "TEXCOORD_1", part.uv[1]));
-    TESSERA_TRY(take<4>(mesh, use, "COLOR_0", part.colours, 1.0f));
+    const auto read = [&](const std::string& name, auto& values, int, float otherwise) {
+        return take(mesh, use, name, values, otherwise);
+    };
+    TESSERA_TRY(read_attributes(attributes, part, read));
     for (std::uint32_t i = 0; i < mesh.num_faces(); ++i)
         for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(i)))
             part.indices.push_back(corner.value());

@@ -33,7 +33,8 @@ Result<std::size_t> read_accessor(const tinygltf::Model& file, int index, int le
 // accessor lacks are `otherwise`. The errors of read_accessor() name the attribute.
 template <class Vector>
 Status read_attribute(const tinygltf::Model& file, const std::map<std::string, int>& attributes,
-                      const char* name, std::vector<Vector>& values, int least, float otherwise) {
+                      const std::string& name, std::vector<Vector>& values, int least,
+                      float otherwise) {
     const auto it = attributes.find(name);
     if (it == attributes.end())
         return {};

@@ -21,6 +21,11 @@ std::uint32_t number_at(const std::vector<unsigned char>& bytes, std::size_t at)
     return x;
 }
 
+Status other_version(const std::string& version) {
+    return {ErrorCode::unsupported,
+            "is glTF " + version + "; only glTF 2.0 is read. Export it again as glTF 2.0"};
+}
+
 struct Chunks {
     std::string json;
     std::vector<unsigned char> binary;
@@ -35,7 +40,7 @@ Result<Chunks> split(std::vector<unsigned char> bytes) {
     if (bytes.size() < 20)
         return invalid_gltf("the .glb is cut short");
     if (number_at(bytes, 4) != 2)
-        return Status(ErrorCode::unsupported, "the .glb has a version other than 2");
+        return other_version(std::to_string(number_at(bytes, 4)));
     std::size_t at = 12;
     for (int i = 0; at + 8 <= bytes.size(); ++i) {
         const std::size_t length = number_at(bytes, at);
@@ -188,9 +193,12 @@ Status check_version(const Json& root) {
             continue;
         const auto version = (*asset)[key].get<std::string>().substr(0, longest_shown);
         if (version != "2.0" && (key == std::string("minVersion") || !version.starts_with("2.")))
-            return {ErrorCode::unsupported,
-                    "is glTF " + version + "; only glTF 2.0 is read. Export it again as glTF 2.0"};
+            return other_version(version);
     }
+    // Early files state no version, but have objects in place of arrays.
+    for (const char* key : {"accessors", "meshes", "nodes"})
+        if (const auto it = root.find(key); it != root.end() && it->is_object())
+            return other_version("1.0");
     return {};
 }
 

@@ -67,9 +67,9 @@ Result<TextureUse> texture_use(const tinygltf::Model& file, int texture, int uv,
             return invalid_gltf(who + ": KHR_texture_transform is not a number, or too large");
         uv = static_cast<int>(number_or(*extension, "texCoord", uv));
     }
-    if (uv < 0 || uv > 1)
-        return Status(ErrorCode::unsupported, who + " uses TEXCOORD_" + std::to_string(uv));
-    use.uv = static_cast<unsigned>(uv);
+    if (uv < 0)
+        return invalid_gltf(who + " uses TEXCOORD_" + std::to_string(uv));
+    use.uv = static_cast<unsigned>(uv); // choose_sets() makes it an index into ModelVertex::uv
     if (has(file.samplers, t.sampler)) {
         const auto wrap_of = [](int mode) {
             return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Wrap::clamp
@@ -157,6 +157,35 @@ std::vector<TextureUse*> textures_of(ModelMaterial& m) {
     return all;
 }
 
+// Vertices have two sets of texture coordinates: the first two, unless pictures of the material use
+// others; then those of its first pictures. Pictures with further sets are left out.
+UvSets choose_sets(ModelMaterial& m, const std::string& who, std::vector<std::string>& notes) {
+    const auto textures = textures_of(m);
+    UvSets chosen{0, 1};
+    if (std::ranges::all_of(textures, [](auto* use) { return use->image < 0 || use->uv < 2; }))
+        return chosen;
+    std::vector<unsigned> sets;
+    for (TextureUse* use : textures) {
+        if (use->image < 0)
+            continue;
+        const std::size_t slot =
+            static_cast<std::size_t>(std::ranges::find(sets, use->uv) - sets.begin());
+        if (slot == sets.size() && slot < UvSets().size())
+            sets.push_back(use->uv);
+        if (slot == UvSets().size()) {
+            notes.push_back(who +
+                            " uses more than two sets of texture coordinates; its picture in "
+                            "TEXCOORD_" +
+                            std::to_string(use->uv) + " is left out");
+            *use = {};
+        } else {
+            use->uv = static_cast<unsigned>(slot);
+        }
+    }
+    std::ranges::copy(sets, chosen.begin());
+    return chosen;
+}
+
 } // namespace
 
 Result<TextureUse> extension_texture(const tinygltf::Model& file, const tinygltf::Value& extension,
@@ -174,10 +203,13 @@ Result<TextureUse> extension_texture(const tinygltf::Model& file, const tinygltf
     return texture_use(file, whole(index), whole(uv), extensions, who, notes);
 }
 
-Status read_materials(const tinygltf::Model& file, const std::string& folder, Model& model) {
+Result<std::vector<UvSets>> read_materials(const tinygltf::Model& file, const std::string& folder,
+                                           Model& model) {
     model.materials.emplace_back(); // glTF's default
+    std::vector<UvSets> sets{{0, 1}};
     for (std::size_t i = 0; i < file.materials.size(); ++i) {
-        TESSERA_TRY_ASSIGN(const ModelMaterial material, read_material(file, i, model.notes));
+        TESSERA_TRY_ASSIGN(ModelMaterial material, read_material(file, i, model.notes));
+        sets.push_back(choose_sets(material, "material " + std::to_string(i), model.notes));
         model.materials.push_back(material);
     }
     std::vector<bool> is_used(file.images.size(), false);
@@ -211,7 +243,7 @@ Status read_materials(const tinygltf::Model& file, const std::string& folder, Mo
                 if (use->image == static_cast<int>(i))
                     use->image = -1;
     }
-    return {};
+    return sets;
 }
 
 } // namespace tessera::corpus

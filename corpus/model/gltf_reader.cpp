@@ -1,16 +1,15 @@
 // glTF 2.0, read with tinygltf.
 #include "corpus/model/gltf_cameras.h"
 #include "corpus/model/gltf_materials.h"
+#include "corpus/model/gltf_pose.h"
 
 #include <algorithm>
-#include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/vector_relational.hpp>
 
 namespace tessera::corpus {
 namespace {
 
-constexpr int deepest = 1'000;              // levels of nodes
 constexpr std::size_t most_nodes = 100'000; // in the scene, with repetitions
 
 Status read_indices(const tinygltf::Model& file, const tinygltf::Primitive& primitive,
@@ -38,8 +37,10 @@ Status read_indices(const tinygltf::Model& file, const tinygltf::Primitive& prim
     return {};
 }
 
+// `sets`: of each material.
 Result<ModelPart> read_primitive(const tinygltf::Model& file, const SafeGltf& safe,
-                                 std::size_t mesh, std::size_t number) {
+                                 const std::vector<UvSets>& sets, std::size_t mesh,
+                                 std::size_t number, bool has_skin) {
     const tinygltf::Primitive& primitive = file.meshes[mesh].primitives[number];
     ModelPart part;
     part.name = "mesh " + std::to_string(mesh) + ", primitive " + std::to_string(number);
@@ -48,70 +49,71 @@ Result<ModelPart> read_primitive(const tinygltf::Model& file, const SafeGltf& sa
         return invalid_gltf(part.name + " has material " + std::to_string(primitive.material) +
                             " of " + std::to_string(file.materials.size()));
     part.material = static_cast<std::uint32_t>(std::max(primitive.material, -1) + 1);
+    const Attributes attributes{.uv = sets[part.material], .has_skin = has_skin};
     if (const auto draco = safe.draco.find({mesh, number}); draco != safe.draco.end()) {
         TESSERA_TRY_ASSIGN(const auto stream, view_bytes(file, draco->second.view, part.name));
-        TESSERA_TRY(decode_draco_part(stream, draco->second, part).with_context(part.name));
+        TESSERA_TRY(
+            decode_draco_part(stream, draco->second, attributes, part).with_context(part.name));
         return part;
     }
-    const auto read = [&](const char* name, auto& values, int least, float otherwise) {
+    const auto read = [&](const std::string& name, auto& values, int least, float otherwise) {
         return read_attribute(file, primitive.attributes, name, values, least, otherwise)
             .with_context(part.name);
     };
-    TESSERA_TRY(read("POSITION", part.positions, 3, 0.0f));
-    TESSERA_TRY(read("NORMAL", part.normals, 3, 0.0f));
-    TESSERA_TRY(read("TANGENT", part.tangents, 4, 0.0f));
-    TESSERA_TRY(read("TEXCOORD_0", part.uv[0], 2, 0.0f));
-    TESSERA_TRY(read("TEXCOORD_1", part.uv[1], 2, 0.0f));
-    TESSERA_TRY(read("COLOR_0", part.colours, 3, 1.0f));
+    TESSERA_TRY(read_attributes(attributes, part, read));
     TESSERA_TRY(read_indices(file, primitive, part).with_context(part.name));
     return part;
 }
 
-glm::dmat4 transform_of(const tinygltf::Node& node) {
-    if (node.matrix.size() == 16)
-        return glm::make_mat4(node.matrix.data());
-    glm::dmat4 m(1.0);
-    if (node.translation.size() == 3)
-        m[3] = {node.translation[0], node.translation[1], node.translation[2], 1.0};
-    if (node.rotation.size() == 4)
-        m *= glm::mat4_cast(glm::normalize(
-            glm::dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2])));
-    if (node.scale.size() == 3)
-        for (int c = 0; c < 3; ++c)
-            m[c] *= node.scale[static_cast<std::size_t>(c)];
-    return m;
-}
-
 class GltfScene {
 public:
-    GltfScene(const tinygltf::Model& file, const SafeGltf& safe, ModelBuilder& builder)
-        : file_(file), safe_(safe), builder_(builder) {}
+    // `sets`: of each material.
+    GltfScene(const tinygltf::Model& file, const SafeGltf& safe, const std::vector<UvSets>& sets,
+              ModelBuilder& builder)
+        : file_(file), safe_(safe), sets_(sets), builder_(builder), skins_(file) {}
 
     Status add() {
         if (file_.scenes.empty() && file_.nodes.empty()) { // only a collection of meshes
             for (std::size_t i = 0; i < file_.meshes.size(); ++i)
-                TESSERA_TRY(add_mesh(i, glm::dmat4(1.0)));
+                TESSERA_TRY(add_mesh(i, glm::dmat4(1.0), {}));
             return {};
         }
-        if (file_.scenes.empty())
-            return invalid_gltf("has nodes but no scene");
-        const int scene = std::max(file_.defaultScene, 0);
-        if (!has(file_.scenes, scene))
-            return invalid_gltf("scene " + std::to_string(scene) + " does not exist");
-        for (const int node : at(file_.scenes, scene).nodes)
-            TESSERA_TRY(add_node(node, glm::dmat4(1.0), 0));
+        TESSERA_TRY(add_roots());
+        if (skipped_ > 0 && builder_.model().triangles.empty())
+            return {ErrorCode::unsupported, "has only points and lines, and no triangles"};
         note_skipped();
         std::move(cameras_).finish(builder_.model());
         return {};
     }
 
 private:
+    // The nodes of the scene. Without a scene, all nodes that are below no other.
+    Status add_roots() {
+        if (file_.scenes.empty()) {
+            std::vector<bool> is_below(file_.nodes.size(), false);
+            for (const tinygltf::Node& node : file_.nodes)
+                for (const int child : node.children)
+                    if (has(file_.nodes, child))
+                        is_below[static_cast<std::size_t>(child)] = true;
+            for (std::size_t i = 0; i < is_below.size(); ++i)
+                if (!is_below[i])
+                    TESSERA_TRY(add_node(static_cast<int>(i), glm::dmat4(1.0), 0));
+            return {};
+        }
+        const int scene = std::max(file_.defaultScene, 0);
+        if (!has(file_.scenes, scene))
+            return invalid_gltf("scene " + std::to_string(scene) + " does not exist");
+        for (const int node : at(file_.scenes, scene).nodes)
+            TESSERA_TRY(add_node(node, glm::dmat4(1.0), 0));
+        return {};
+    }
+
     Status add_node(int number, const glm::dmat4& parent, int depth) {
         const std::string who = "node " + std::to_string(number);
         if (!has(file_.nodes, number))
             return invalid_gltf(who + " does not exist");
-        if (depth >= deepest)
-            return invalid_gltf(who + " is more than " + std::to_string(deepest) +
+        if (depth >= deepest_node)
+            return invalid_gltf(who + " is more than " + std::to_string(deepest_node) +
                                 " levels deep, or below itself");
         if (++nodes_ > most_nodes)
             return invalid_gltf("more than " + std::to_string(most_nodes) + " nodes");
@@ -168,7 +170,7 @@ private:
         const auto mesh = static_cast<std::size_t>(node.mesh);
         const auto it = node.extensions.find("EXT_mesh_gpu_instancing");
         if (it == node.extensions.end())
-            return add_mesh(mesh, place);
+            return add_mesh(mesh, place, node);
         std::map<std::string, int> attributes;
         if (it->second.Has("attributes") && it->second.Get("attributes").IsObject())
             for (const std::string& name : it->second.Get("attributes").Keys())
@@ -195,24 +197,36 @@ private:
             take(translations, one.translation);
             take(rotations, one.rotation);
             take(scales, one.scale);
-            TESSERA_TRY(add_mesh(mesh, place * transform_of(one)));
+            one.weights = node.weights;
+            TESSERA_TRY(add_mesh(mesh, place * transform_of(one), one));
         }
         return {};
     }
 
-    Status add_mesh(std::size_t mesh, const glm::dmat4& place) {
-        if (glm::determinant(glm::dmat3(place)) == 0.0) { // exporters hide nodes by a scale of 0
+    // The mesh as the node poses it. Of its transform counts `place` alone.
+    Status add_mesh(std::size_t number, const glm::dmat4& place, const tinygltf::Node& node) {
+        const tinygltf::Mesh& mesh = file_.meshes[number];
+        const bool has_skin = node.skin >= 0;
+        // Exporters hide nodes by a scale of 0, or of almost 0.
+        if (!has_skin && !(std::abs(glm::determinant(glm::dmat3(place))) > 1e-27)) {
             ++hidden_;
             return {};
         }
-        for (std::size_t i = 0; i < file_.meshes[mesh].primitives.size(); ++i) {
-            const int mode = file_.meshes[mesh].primitives[i].mode;
+        for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
+            const int mode = mesh.primitives[i].mode;
             if (mode >= 0 && mode < TINYGLTF_MODE_TRIANGLES) { // no surface
                 ++skipped_;
                 continue;
             }
-            TESSERA_TRY_ASSIGN(const ModelPart part, read_primitive(file_, safe_, mesh, i));
-            TESSERA_TRY(builder_.add(part, place));
+            TESSERA_TRY_ASSIGN(ModelPart part,
+                               read_primitive(file_, safe_, sets_, number, i, has_skin));
+            TESSERA_TRY(add_targets(file_, mesh.primitives[i],
+                                    node.weights.empty() ? mesh.weights : node.weights, part)
+                            .with_context(part.name));
+            const bool is_skinned = has_skin && !part.skin.empty();
+            if (is_skinned)
+                TESSERA_TRY(skins_.apply(node.skin, part));
+            TESSERA_TRY(builder_.add(part, is_skinned ? glm::dmat4(1.0) : place));
         }
         return {};
     }
@@ -233,7 +247,9 @@ private:
 
     const tinygltf::Model& file_;
     const SafeGltf& safe_;
+    const std::vector<UvSets>& sets_;
     ModelBuilder& builder_;
+    GltfSkins skins_;
     GltfCameras cameras_;
     std::size_t nodes_ = 0;
     std::size_t hidden_ = 0;  // meshes of scale 0
@@ -325,19 +341,14 @@ void note_ignored(const tinygltf::Model& file, const SafeGltf& safe,
         notes.push_back("the extension " + name + " (" + std::to_string(uses) +
                         (uses == 1 ? " use" : " uses") + ") is not supported and is ignored");
     note(file.animations.size(), "animation", "animations", "not played");
-    note(file.skins.size(), "skin", "skins", "not applied; meshes are in bind pose");
-    std::size_t morphed = 0;
-    for (const tinygltf::Mesh& mesh : file.meshes)
-        for (const tinygltf::Primitive& primitive : mesh.primitives)
-            morphed += !primitive.targets.empty();
-    note(morphed, "primitive has", "primitives have", "morph targets, which are not applied");
 }
 
 Status convert(const tinygltf::Model& file, const SafeGltf& safe, const std::string& folder,
                ModelBuilder& builder) {
-    TESSERA_TRY(read_materials(file, folder, builder.model()));
+    TESSERA_TRY_ASSIGN(const std::vector<UvSets> sets,
+                       read_materials(file, folder, builder.model()));
     note_ignored(file, safe, builder.model().notes);
-    return GltfScene(file, safe, builder).add();
+    return GltfScene(file, safe, sets, builder).add();
 }
 
 } // namespace

@@ -29,23 +29,33 @@ Status check_count(const ModelPart& part, const char* what, const std::vector<Ve
                                          " values of " + what};
 }
 
+// Says how many values are not numbers, as exporters write them where a triangle has no area, and
+// what becomes of them.
 template <class Vector>
-Status check_values(const ModelPart& part, const char* what, const std::vector<Vector>& values) {
-    TESSERA_TRY(check_count(part, what, values));
-    for (std::size_t i = 0; i < values.size(); ++i)
-        if (!is_sound(values[i]))
-            return {ErrorCode::invalid_file, part.name + ": " + what + " " + std::to_string(i) +
-                                                 " is not a number, or too large"};
-    return {};
+void note_unsound(const ModelPart& part, const char* what, const std::vector<Vector>& values,
+                  const char* fate, std::vector<std::string>& notes) {
+    if (const auto unsound =
+            std::ranges::count_if(values, [](const auto& x) { return !is_sound(x); }))
+        notes.push_back(part.name + ": " + std::to_string(unsound) + " of " +
+                        std::to_string(values.size()) + " " + what +
+                        " are not numbers, or too large; " + fate);
+}
+
+void note_unsound(const ModelPart& part, std::vector<std::string>& notes) {
+    note_unsound(part, "positions", part.positions, "their triangles are left out", notes);
+    note_unsound(part, "normals", part.normals, "those of triangles replace them", notes);
+    note_unsound(part, "tangents", part.tangents, "they are left out", notes);
+    for (const auto& uv : part.uv)
+        note_unsound(part, "uv", uv, "they become 0", notes);
+    note_unsound(part, "colours", part.colours, "they become white", notes);
 }
 
 Status check(const ModelPart& part) {
-    TESSERA_TRY(check_values(part, "position", part.positions));
-    TESSERA_TRY(check_values(part, "normal", part.normals));
-    TESSERA_TRY(check_values(part, "tangent", part.tangents));
-    TESSERA_TRY(check_count(part, "colour", part.colours)); // unsound ones become white
+    TESSERA_TRY(check_count(part, "normal", part.normals));
+    TESSERA_TRY(check_count(part, "tangent", part.tangents));
+    TESSERA_TRY(check_count(part, "colour", part.colours));
     for (const auto& uv : part.uv)
-        TESSERA_TRY(check_values(part, "uv", uv));
+        TESSERA_TRY(check_count(part, "uv", uv));
     if (part.indices.size() % 3 != 0)
         return {ErrorCode::invalid_file, part.name + " has " + std::to_string(part.indices.size()) +
                                              " indices, not three per triangle"};
@@ -68,21 +78,25 @@ struct Placement {
     double determinant = glm::determinant(linear);
 };
 
-// `face`: the normal of a triangle at the vertex, for a part without normals.
+// The normal of a vertex in the file; 0 if it has none.
+glm::dvec3 normal_in_file(const ModelPart& part, std::uint32_t i) {
+    return part.normals.empty() || !is_sound(part.normals[i]) ? glm::dvec3(0.0)
+                                                              : glm::dvec3(part.normals[i]);
+}
+
+// `face`: the normal of a triangle at the vertex, for vertices without normals.
 ModelVertex placed_vertex(const ModelPart& part, std::uint32_t i, const Placement& placement,
                           const glm::dvec3& face) {
     ModelVertex v;
     v.position = glm::vec3(glm::dvec3(placement.to_world * glm::dvec4(part.positions[i], 1.0)));
-    v.normal = glm::vec3(part.normals.empty()
-                             ? face
-                             : unit_or(placement.of_normals * glm::dvec3(part.normals[i]), face));
-    if (!part.tangents.empty()) {
+    v.normal = glm::vec3(unit_or(placement.of_normals * normal_in_file(part, i), face));
+    if (!part.tangents.empty() && is_sound(part.tangents[i])) {
         const glm::dvec3 t = placement.linear * glm::dvec3(part.tangents[i]);
         if (glm::length(t) > 1e-12)
             v.tangent = glm::vec4(glm::vec3(glm::normalize(t)), part.tangents[i].w < 0 ? -1 : 1);
     }
     for (std::size_t s = 0; s < 2; ++s)
-        if (!part.uv[s].empty())
+        if (!part.uv[s].empty() && is_sound(part.uv[s][i]))
             v.uv[s] = part.uv[s][i];
     if (!part.colours.empty() && is_sound(part.colours[i]))
         v.colour = part.colours[i];
@@ -102,7 +116,7 @@ glm::dvec3 normal_or_zero(const std::array<glm::dvec3, 3>& p) {
 bool has_normals_behind(const ModelPart& part, const std::array<std::uint32_t, 3>& corners,
                         const Placement& placement, const glm::dvec3& face) {
     return !part.normals.empty() && std::ranges::all_of(corners, [&](std::uint32_t i) {
-        return glm::dot(placement.of_normals * glm::dvec3(part.normals[i]), face) < 0.0;
+        return glm::dot(placement.of_normals * normal_in_file(part, i), face) < 0.0;
     });
 }
 
@@ -113,11 +127,7 @@ Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
     if (model_.triangles.size() + part.indices.size() / 3 > most_triangles)
         return {ErrorCode::unsupported,
                 part.name + ": more than " + std::to_string(most_triangles) + " triangles in all"};
-    if (const auto unsound =
-            std::ranges::count_if(part.colours, [](const auto& c) { return !is_sound(c); }))
-        model_.notes.push_back(part.name + ": " + std::to_string(unsound) + " of " +
-                               std::to_string(part.colours.size()) +
-                               " colours are not numbers, or too large; they become white");
+    note_unsound(part, model_.notes);
     const Placement placement{to_world};
     if (!(std::abs(placement.determinant) > 1e-30) || !(std::abs(placement.determinant) < 1e30))
         return {ErrorCode::invalid_file,
@@ -133,6 +143,10 @@ Status ModelBuilder::add(const ModelPart& part, const glm::dmat4& to_world) {
         std::array<glm::dvec3, 3> p;
         for (std::size_t k = 0; k < 3; ++k)
             p[k] = to_world * glm::dvec4(part.positions[corners[k]], 1.0);
+        if (!std::ranges::all_of(corners, [&](auto k) { return is_sound(part.positions[k]); })) {
+            ++nowhere_;
+            continue;
+        }
         const glm::dvec3 normal = normal_or_zero(p);
         if (normal == glm::dvec3(0.0)) {
             ++flat_;
@@ -175,10 +189,13 @@ int ModelBuilder::add_image_or_note(const std::string& path) {
 
 Result<Model> ModelBuilder::finish() && {
     if (model_.triangles.empty())
-        return Status(ErrorCode::invalid_file, flat_ == 0
-                                                   ? std::string("has no triangles")
-                                                   : "has " + std::to_string(flat_) +
-                                                         " triangles, none of which has an area");
+        return Status(ErrorCode::invalid_file,
+                      nowhere_ > 0 ? "has " + std::to_string(nowhere_ + flat_) +
+                                         " triangles, whose positions are no numbers or which have "
+                                         "no area"
+                      : flat_ > 0
+                          ? "has " + std::to_string(flat_) + " triangles, none of which has an area"
+                          : std::string("has no triangles"));
     glm::dvec3 low(1e300), high(-1e300);
     for (const ModelVertex& v : model_.vertices) {
         if (!is_sound(v.position))

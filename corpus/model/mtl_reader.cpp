@@ -263,7 +263,8 @@ bool MtlMaterial::read(const std::string& keyword, std::string_view rest,
 }
 
 Status MtlReader::read(const std::string& path) {
-    TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_model_bytes));
+    TESSERA_TRY_ASSIGN(auto raw, read_whole_file(path, most_model_bytes));
+    const auto bytes = utf8_of(std::move(raw));
     const std::string folder = folder_of(path);
     LineReader lines(text_of(bytes));
     std::string joined;

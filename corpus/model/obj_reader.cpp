@@ -150,7 +150,8 @@ private:
 } // namespace
 
 Status read_obj(const std::string& path, ModelBuilder& builder) {
-    TESSERA_TRY_ASSIGN(const auto bytes, read_whole_file(path, most_model_bytes));
+    TESSERA_TRY_ASSIGN(auto raw, read_whole_file(path, most_model_bytes));
+    const auto bytes = utf8_of(std::move(raw));
     TESSERA_TRY(check_is_model(bytes));
     return ObjReader(path, builder).read(text_of(bytes));
 }

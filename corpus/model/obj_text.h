@@ -2,6 +2,7 @@
 #pragma once
 
 #include "corpus/model/text_lines.h"
+#include "corpus/model/utf16_text.h"
 #include "format/output_file.h"
 #include "format/status.h"
 

@@ -106,10 +106,11 @@ public:
                 rest_ = lines_.rest();
                 return {};
             }
+            // Blender 2.4 wrote its name without the word "comment". Other readers skip such lines.
             if (!(words[0] == "format"     ? read_format(words)
                   : words[0] == "element"  ? read_element(words)
                   : words[0] == "property" ? read_property(words)
-                                           : false))
+                                           : elements_.empty()))
                 return wrong_line();
         }
         return invalid_ply("its header has no end");
@@ -283,8 +284,9 @@ private:
         const int nx = e.find({"nx"}), ny = e.find({"ny"}), nz = e.find({"nz"});
         const int u = e.find({"u", "s", "tx", "texture_u"});
         const int v = e.find({"v", "t", "ty", "texture_v"});
-        const std::array colour{e.find({"red", "r"}), e.find({"green", "g"}),
-                                e.find({"blue", "b"})};
+        const std::array colour{e.find({"red", "r", "diffuse_red"}),
+                                e.find({"green", "g", "diffuse_green"}),
+                                e.find({"blue", "b", "diffuse_blue"})};
         const int alpha = e.find({"alpha"});
         if (x < 0 || y < 0 || z < 0)
             return invalid_ply("has no x, y and z");

@@ -1,6 +1,7 @@
 // The readers behind load_model(). Their errors name the element; load_model() adds the file.
 #pragma once
 
+#include "corpus/model/gltf_attributes.h"
 #include "corpus/model/gltf_json.h"
 #include "corpus/model/model_builder.h"
 
@@ -18,7 +19,7 @@ Status read_stl(const std::string& path, ModelBuilder& builder);
 // Decodes a glTF primitive that is a Draco stream into `part`. Errors: invalid_file; unsupported
 // (too large).
 Status decode_draco_part(std::span<const unsigned char> stream, const DracoUse& use,
-                         ModelPart& part);
+                         const Attributes& attributes, ModelPart& part);
 
 // Decodes a glTF view that meshoptimizer compressed. Errors: invalid_file.
 Result<std::vector<unsigned char>> decode_meshopt(std::span<const unsigned char> stream,

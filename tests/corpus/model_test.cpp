@@ -94,7 +94,7 @@ TEST_F(Models, MaterialsOfGltf) {
 TEST_F(Models, HostileGltfIsRefused) {
     GltfText nan;
     nan.positions[4] = std::numeric_limits<float>::quiet_NaN();
-    refuse("nan.gltf", nan.text(), ErrorCode::invalid_file, "mesh 0, primitive 0: position 1");
+    refuse("nan.gltf", nan.text(), ErrorCode::invalid_file, "positions are no numbers");
     GltfText range;
     range.indices[2] = 3;
     refuse("range.gltf", range.text(), ErrorCode::invalid_file, "triangle 0 has vertex 3 of 3");
@@ -462,6 +462,26 @@ TEST_F(Models, ColoursAndHomogeneousCoordinatesOfObj) {
                 1e-5);
 }
 
+// A shell of Windows writes UTF-16 where text is sent to a file.
+TEST_F(Models, ObjInUtf16) {
+    const std::string obj = "mtllib a.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const auto utf16 = [](const std::string& text, bool big) {
+        std::string wide = big ? "\xFE\xFF" : "\xFF\xFE";
+        for (const char c : text)
+            wide += big ? std::string{'\0', c} : std::string{c, '\0'};
+        return wide;
+    };
+    for (const bool big : {false, true}) {
+        file("a.mtl", utf16("newmtl red\nKd 1 0 0\n", big));
+        const auto model = load("a.obj", utf16(obj, big));
+        ASSERT_TRUE(model.ok()) << model.status().message();
+        EXPECT_TRUE(model->notes.empty());
+        EXPECT_EQ(model->materials[model->triangles[0].material].base, glm::dvec4(1, 0, 0, 1));
+    }
+    EXPECT_FALSE(load("cut.obj", "\xFE\xFF\xD8").ok());
+    EXPECT_FALSE(load("half.obj", std::string("\xFF\xFE\x00\xD8\x41\x00", 6)).ok());
+}
+
 TEST_F(Models, HostileObjIsRefused) {
     const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
     refuse("a.obj", corners + "f 1 2 4\n", ErrorCode::invalid_file,
@@ -471,7 +491,8 @@ TEST_F(Models, HostileObjIsRefused) {
     refuse("d.obj", corners + "f 1/1/1/1 2 3\n", ErrorCode::invalid_file, "line 4: '1/1/1/1'");
     refuse("e.obj", "v 0 0\n", ErrorCode::invalid_file, "line 1: 'v' has too few numbers");
     refuse("f.obj", "v 0 0 x\n", ErrorCode::invalid_file, "line 1: 'x' is not a number");
-    refuse("g.obj", "v 0 0 0 0\n" + corners + "f 1 2 3\n", ErrorCode::invalid_file, "position 0");
+    refuse("g.obj", "v 0 0 0 0\n" + corners + "f 1 2 3\n", ErrorCode::invalid_file,
+           "positions are no numbers");
     refuse("h.obj", corners, ErrorCode::unsupported, "a point cloud, not a mesh");
     // A comb: cutting one tooth after another off it takes time with the square of their number.
     std::string comb, face = "f";
