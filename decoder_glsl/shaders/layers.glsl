@@ -77,18 +77,26 @@ vec3 tsr_light_of(TsrReflectance r, TsrLight light) {
     vec3 h = normalize(light.direction + r.view);
     float rough = max(r.roughness, tsr_least_roughness);
     float alpha = rough * rough;
-    float wide = tsr_spread_share * light.spread;
-    float a2 = min(alpha * alpha + wide * wide, 1.0f);
-    // nh^2 (a2 - 1) + 1, where 1 - nh^2 is the square of a sine: the difference would lose most of
-    // its digits in a sharp highlight.
+    float s2 = alpha * alpha;
+    float half_cosine = clamp(dot(r.view, h), 0.0f, 1.0f);
+    // Light that moves across the plane of its direction and the view turns the microfacet by more
+    // than light that moves along it: aslant, a patch of light is mirrored as if it were wide.
+    float along = tsr_spread_share * light.spread;
+    float stretched = clamp(10.0f * r.roughness - 1.5f, 0.0f, 1.0f);
+    float across = along / max(1.0f - stretched * (1.0f - half_cosine), 0.01f);
+    float along2 = min(s2 + along * along, 1.0f);
+    float across2 = min(s2 + across * across, 1.0f);
+    // 1 - nh^2 would lose most of its digits in a sharp highlight.
     float nh = min(dot(r.normal, h), 1.0f);
     vec3 sine = cross(r.normal, h);
-    float root = nh * nh * a2 + dot(sine, sine);
-    float density = a2 / (tsr_pi * root * root);
-    float s2 = alpha * alpha;
+    vec3 axis = cross(light.direction, r.view);
+    float out_of_plane = dot(r.normal, axis);
+    float x2 = out_of_plane * out_of_plane / max(dot(axis, axis), 1e-12f);
+    float root = nh * nh + max(dot(sine, sine) - x2, 0.0f) / along2 + x2 / across2;
+    float density = 1.0f / (tsr_pi * sqrt(along2 * across2) * root * root);
     float visibility =
         0.5f / (nl * sqrt(s2 + (1.0f - s2) * nv * nv) + nv * sqrt(s2 + (1.0f - s2) * nl * nl));
-    float fresnel = tsr_fifth_power(1.0f - clamp(dot(r.view, h), 0.0f, 1.0f));
+    float fresnel = tsr_fifth_power(1.0f - half_cosine);
     return (r.specular + (vec3(1.0f) - r.specular) * fresnel) * (density * visibility * nl) *
            light.irradiance;
 }

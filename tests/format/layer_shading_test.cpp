@@ -64,6 +64,33 @@ TEST(LayerShading, SpreadWidensHighlights) {
     EXPECT_LT(r.of(point).x, r.of(patch).x);
 }
 
+// Aslant, a patch turns microfacets further across the plane of the view than along it. A round
+// highlight would be twice as bright as many small lights in the patch.
+TEST(LayerShading, PatchesSeenAslantAreAsBrightAsTheirParts) {
+    constexpr double slant = 1.2, radius = 0.2; // from the normal, and of the patch
+    for (const double roughness : {0.4, 0.6}) {
+        Reflectance r;
+        r.specular = glm::dvec3(1.0);
+        r.roughness = roughness;
+        r.view = {std::sin(slant), 0, std::cos(slant)};
+        const glm::dvec3 middle(-std::sin(slant), 0, std::cos(slant));
+        const glm::dvec3 across(0, 1, 0), along = glm::cross(middle, across);
+        double parts = 0;
+        constexpr int rings = 30, spokes = 60;
+        for (int j = 0; j < rings; ++j)
+            for (int i = 0; i < spokes; ++i) {
+                const double off = radius * std::sqrt((j + 0.5) / rings),
+                             round = 2 * std::numbers::pi * i / spokes;
+                const glm::dvec3 d = glm::normalize(
+                    middle + off * (std::cos(round) * across + std::sin(round) * along));
+                parts += r.of({glm::vec3(d), 0, glm::vec3(1)}).x / (rings * spokes);
+            }
+        const auto spread = static_cast<float>(std::sin(radius / 2));
+        const double whole = r.of({glm::vec3(middle), spread, glm::vec3(1)}).x;
+        EXPECT_NEAR(whole / parts, 1.15, 0.2) << roughness;
+    }
+}
+
 TEST(LayerShading, LightsBelowTheSurfaceAreDark) {
     Reflectance r;
     r.specular = glm::dvec3(1.0);

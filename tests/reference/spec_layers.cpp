@@ -14,6 +14,10 @@ Vector sum(const Vector& a, double k, const Vector& b) {
     return {a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]};
 }
 
+Vector vector_product(const Vector& a, const Vector& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 Vector of_unit_length(const Vector& a) {
     const double length = std::sqrt(scalar_product(a, a));
     return {a[0] / length, a[1] / length, a[2] / length};
@@ -87,9 +91,16 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
         }
         const Vector h = of_unit_length(sum(l.direction, 1, d));
         const double nh = std::min(1.0, scalar_product(n, h));
-        const double A = std::min(1.0, a * a + std::pow(0.75 * l.spread, 2));
+        const double wide = 0.75 * l.spread;
+        const double k = std::clamp(10 * values.r - 1.5, 0.0, 1.0);
+        const double e = std::max(0.01, 1 - k * (1 - scalar_product(d, h)));
+        const double A1 = std::min(1.0, a * a + wide * wide);
+        const double A2 = std::min(1.0, a * a + std::pow(wide / e, 2));
+        const Vector o = vector_product(l.direction, d);
+        const double x = std::pow(scalar_product(n, o), 2) / std::max(1e-12, scalar_product(o, o));
+        const double y = std::max(0.0, 1 - nh * nh - x);
         const double pi = 3.14159265358979323846;
-        const double Q = A / (pi * std::pow(nh * nh * (A - 1) + 1, 2));
+        const double Q = 1 / (pi * std::sqrt(A1 * A2) * std::pow(nh * nh + x / A2 + y / A1, 2));
         const double W = 1 / (2 * nl * std::sqrt(a * a + (1 - a * a) * c * c) +
                               2 * c * std::sqrt(a * a + (1 - a * a) * nl * nl));
         for (std::size_t i = 0; i < 3; ++i) {
