@@ -172,7 +172,8 @@ inline glm::dvec3 area_vector(const Model& model, const ModelTriangle& triangle)
 // KHR_texture_transform, KHR_lights_punctual, EXT_mesh_gpu_instancing, EXT_texture_webp, and
 // KHR_materials_anisotropy, _clearcoat, _emissive_strength, _ior, _iridescence,
 // _pbrSpecularGlossiness, _sheen, _specular, _transmission, _unlit and _volume. Model::notes names
-// what is ignored: other extensions, animation, skins, morph targets, pictures that cannot be read.
+// what is ignored: other extensions, animation, pictures that cannot be read, NaN. Skins and morph
+// targets have the pose in which the file rests.
 //
 // Errors name the file and the element: bad_argument (another suffix); io; invalid_file;
 // unsupported (a required extension, a point cloud, sizes beyond the limits);

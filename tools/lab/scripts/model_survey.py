@@ -1,38 +1,46 @@
 #!/usr/bin/python3
-# Bakes a small model of each kind that people's files have (survey_models.py) into layers, and
-# compares two views with path-traced truth. Prints the survey of tests/regression/models.md.
-#   tools/lab/scripts/model_survey.py TESSERA ENVIRONMENT OUT [NAME or MODEL...]
+# Bakes a small model of each kind that people's files have (survey_models.py), or the given files, into
+# layers, and compares two views with path-traced truth. Prints the tables of tests/regression/models.md.
+#   tools/lab/scripts/model_survey.py TESSERA ENVIRONMENT OUT [NAME or MODEL...] [options]
+import argparse
 import json
 import os
 import subprocess
-import sys
 
 import numpy as np
 
 from survey_models import KINDS, Gltf
 
-tool, environment, out = sys.argv[1:4]
-texels, paths, pixels = 20000, 128, '128x96'
+parser = argparse.ArgumentParser()
+for name in 'tool', 'environment', 'out':
+    parser.add_argument(name)
+parser.add_argument('models', nargs='*', metavar='MODEL', default=list(KINDS))
+parser.add_argument('--texels', default='20000', help="'default' for those of the tool")
+parser.add_argument('--paths', default='128', help='of a ray of the truth')
+parser.add_argument('--pixels', default='128x96')
+parser.add_argument('--near', type=float, default=2.6, help='how far the second camera is, in radii')
+options = parser.parse_intermixed_args()
+out, environment = options.out, options.environment
 
 
 def run(*arguments):
-    return subprocess.run([tool, *map(str, arguments)], capture_output=True, text=True)
+    return subprocess.run([options.tool, *map(str, arguments)], capture_output=True, text=True)
 
 
-# Two cameras that see all of the file's mesh.
+# Two cameras that see all of the file's mesh, the second one unless it is near.
 def cameras(path):
     mesh = json.loads(run('info', path, '--json').stdout)['mesh']
     low, high = np.array(mesh['low']), np.array(mesh['high'])
     middle, radius = (low + high) / 2, np.linalg.norm(high - low) / 2
-    for name, toward in ('a', (2, 1.5, 2.5)), ('b', (-1.2, 0.5, -3)):
-        eye = middle + 2.6 * radius * np.array(toward) / np.linalg.norm(toward)
+    for name, toward, far in ('a', (2, 1.5, 2.5), 2.6), ('b', (-1.2, 0.5, -3), options.near):
+        eye = middle + far * radius * np.array(toward) / np.linalg.norm(toward)
         yield name, ['--eye', ','.join('%.9g' % x for x in eye),
                      '--look', ','.join('%.9g' % x for x in middle), '--fov', '45']
 
 
 print('| model | bytes | object, dB | SSIM |\n|---|---|---|---|')
 os.makedirs(out, exist_ok=True)
-for name in sys.argv[4:] or KINDS:
+for name in options.models:
     model, inside = name, None
     if name in KINDS:
         model = f'{out}/{name}.gltf'
@@ -40,16 +48,18 @@ for name in sys.argv[4:] or KINDS:
         KINDS[name](gltf)
         gltf.write(model)
         inside = getattr(KINDS[name], 'camera', None)
-    base = f'{out}/{os.path.basename(name).split(".")[0]}'
-    baked = run('bake', model, '-o', base + '.tess', '--texels', texels, '--env', environment, '-q')
+    # Files of one name may lie in several folders.
+    base = f'{out}/' + '_'.join(os.path.splitext(name)[0].split('/')[-2:])
+    texels = [] if options.texels == 'default' else ['--texels', options.texels]
+    baked = run('bake', model, '-o', base + '.tess', *texels, '--env', environment, '-q')
     if baked.returncode:
         print(f'| {name} | {baked.stderr.strip()} | | |', flush=True)
         continue
     views = [('a', inside)] if inside else cameras(base + '.tess')
     found = []
     for view, camera in views:
-        drawn = run('render', base + '.tess', '-o', f'{base}-{view}.png', *camera, '--pixels', pixels,
-                    '--truth', model, '--truth-spp', paths, '--env', environment, '--json', '-q',
+        drawn = run('render', base + '.tess', '-o', f'{base}-{view}.png', *camera, '--pixels', options.pixels,
+                    '--truth', model, '--truth-spp', options.paths, '--env', environment, '--json', '-q',
                     '--write-all')
         figures = json.loads(drawn.stdout)['views'][0]['compressed_truth']
         found.append((figures['object_psnr'], figures['ssim']))
