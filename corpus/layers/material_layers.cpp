@@ -36,8 +36,7 @@ std::optional<PlaceMaterial> material_of(const ModelPlaces& fine, const PlaceLig
         const Lobes lobes = nearest(at.point.lobes);
         const glm::dvec2 texel =
             (glm::dvec2(u + 0.5, v + 0.5) + offset) / static_cast<double>(finer);
-        const std::size_t chart = fine.texel_places().chart_of(at.on.triangle);
-        if (const auto arriving = light.diffuse(texel, chart, at.point.normal)) {
+        if (const auto arriving = light.diffuse(texel, at.chart, at.point.normal)) {
             sum.diffuse += lobes.diffuse * *arriving;
             ++lit;
         }
