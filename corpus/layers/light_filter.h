@@ -20,11 +20,11 @@ struct NoisyLight {
 };
 
 // Averages the light of a texel and of texels around it that face alike and differ by no more than
-// their noise. Which texels are averaged in one half depends on the other
-// half, so that errors do not select each other (Rousselle, Knaus and Zwicker, "Adaptive rendering
-// with non-local means filtering", 2012), and what the halves differ by afterwards is the noise that
-// is left. The mean is that of a plane of least squares, because where the surface ends all texels
-// lie on one side. Immutable and thread-safe. Memory: 28 bytes per texel.
+// their noise. Which texels are averaged in one half depends on the other half, so that errors do
+// not select each other (Rousselle, Knaus and Zwicker, "Adaptive rendering with non-local means
+// filtering", 2012), and what the halves differ by afterwards is the noise that is left. The mean is
+// that of a plane of least squares, because where the surface ends all texels lie on one side.
+// Immutable and thread-safe. Memory: 28 bytes per texel.
 class LightFilter {
 public:
     static constexpr std::uint32_t reach = 6;

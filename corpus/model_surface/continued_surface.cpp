@@ -3,6 +3,7 @@
 #include "corpus/model_surface/facets.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 namespace tessera::corpus {
@@ -11,6 +12,8 @@ namespace {
 constexpr double least_facing = 0.8;  // cosine between the triangles
 constexpr float least_smooth = 0.98f; // cosine between their normals at the edge
 constexpr unsigned most_steps = 16;   // over edges
+// Of heights, and of places along edges to their length: no product of them on a way overflows.
+constexpr double most_ratio = 1e6;
 
 glm::dvec3 corner_of(const Model& model, std::size_t triangle, std::size_t k) {
     return glm::dvec3(model.vertices[model.triangles[triangle].vertices[k % 3]].position);
@@ -40,6 +43,13 @@ Above above_edge(const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3&
         return {};
     const double along = glm::dot(way, edge) / square;
     return {along, glm::length(way - along * edge)};
+}
+
+// Whether ways may cross an edge between triangles of these shapes.
+bool is_crossable(const Above& a, const Above& b) {
+    return a.height > 0.0 && b.height > 0.0 && a.height <= most_ratio * b.height &&
+           b.height <= most_ratio * a.height && std::abs(a.along) <= most_ratio &&
+           std::abs(b.along) <= most_ratio;
 }
 
 bool goes_on(const Model& model, const Facets& facets, std::size_t triangle, std::size_t k,
@@ -75,7 +85,7 @@ ContinuedSurface::ContinuedSurface(const Model& model) : crossings_(model.triang
             const auto& back = facets.neighbours[other];
             const auto side = static_cast<std::size_t>(
                 std::ranges::find(back, static_cast<std::int64_t>(i)) - back.begin());
-            if (goes_on(model, facets, i, k, other) && tops[other][side].height > 0.0)
+            if (goes_on(model, facets, i, k, other) && is_crossable(tops[i][k], tops[other][side]))
                 crossings_[i][k] = {.triangle = static_cast<std::int32_t>(other),
                                     .side = static_cast<std::uint32_t>(side),
                                     .height = tops[i][k].height / tops[other][side].height,

@@ -115,7 +115,7 @@ std::optional<Texels2> ModelPlaces::texel_beside(std::uint32_t u, std::uint32_t 
                                                  const glm::dvec2& offset) const {
     const TrianglePlace from = places_.place(u, v, offset);
     const ModelPlace to = continued_->walk({from.triangle, from.barycentric});
-    if (to.triangle == from.triangle || outside(to.barycentric) > 0.0)
+    if (to.triangle == from.triangle || !(outside(to.barycentric) <= 0.0))
         return std::nullopt;
     const auto& [a, b, c] = mesh_->triangles[to.triangle];
     const glm::dvec2 uv = glm::dvec2(mesh_->uv[a]) * (1.0 - to.barycentric.x - to.barycentric.y) +
