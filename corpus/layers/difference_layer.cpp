@@ -74,9 +74,8 @@ public:
             const Lobes lobes = nearest(point.lobes);
             place.bare = point;
             place.bare.lobes = {.facing = lobes.facing, .alpha = lobes.alpha};
-            const auto arriving =
-                light.diffuse(glm::dvec2(texel[0] + 0.5, texel[1] + 0.5) + offset,
-                              places.texel_places().chart_of(place.at.on.triangle), point.normal);
+            const auto arriving = light.diffuse(glm::dvec2(texel[0] + 0.5, texel[1] + 0.5) + offset,
+                                                place.at.chart, point.normal);
             if (!arriving)
                 continue;
             place.diffuse = point.lobes.diffuse * *arriving;

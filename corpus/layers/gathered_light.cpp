@@ -28,11 +28,14 @@ public:
     }
 
     Result<GatheredLight> gather() {
+        const LightFilter::Beside beside = [&](std::uint32_t u, std::uint32_t v, int x, int y) {
+            return places_.texel_beside(u, v, glm::dvec2(x, y));
+        };
         unsigned paths = std::max(options_.paths, 2u) / 2 * 2;
         TESSERA_TRY(trace(paths, 0));
         for (unsigned round = 1;; ++round) {
             TESSERA_TRY_ASSIGN(const LightFilter filter,
-                               LightFilter::make(size_, halves_, charts_, normals_, run_));
+                               LightFilter::make(size_, halves_, charts_, normals_, run_, beside));
             TESSERA_TRY(estimate(filter));
             if (2 * paths > options_.most_paths ||
                 std::ranges::count(noisy_, 0) == std::ssize(noisy_)) {

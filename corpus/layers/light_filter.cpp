@@ -15,12 +15,14 @@ float mean_square(const glm::vec3& x) {
 
 Result<LightFilter> LightFilter::make(const Texels2& size, std::span<const NoisyLight> light,
                                       std::span<const std::uint32_t> charts,
-                                      std::span<const glm::vec3> normals, const BakeRun& run) {
+                                      std::span<const glm::vec3> normals, const BakeRun& run,
+                                      Beside beside) {
     LightFilter filter;
     filter.size_ = size;
     filter.light_ = light;
     filter.charts_ = charts;
     filter.normals_ = normals;
+    filter.beside_ = std::move(beside);
     filter.guides_.resize(light.size());
     TESSERA_TRY(for_rows("filtering light", size[1], run, [&](std::uint32_t v) {
         for (std::uint32_t u = 0; u < size[0]; ++u) {

@@ -4,8 +4,10 @@
 #include "corpus/layers/rows.h"
 #include "corpus/surface/atlas.h"
 
+#include <functional>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,21 +19,27 @@ struct NoisyLight {
     std::uint32_t paths = 0; // of each half; 0: no light is known
 };
 
-// Averages the light of a texel and of texels around it, on the same chart and facing alike, that
-// differ by no more than their noise. Which texels are averaged in one half depends on the other
-// half, so that errors do not select each other (Rousselle, Knaus and Zwicker, "Adaptive rendering
-// with non-local means filtering", 2012), and what the halves differ by afterwards is the noise that
-// is left. The mean is that of a plane of least squares, because at the border of a chart all texels
-// lie on one side. Immutable and thread-safe. Memory: 28 bytes per texel.
+// Averages the light of a texel and of texels around it that face alike and differ by no more than
+// their noise. Which texels are averaged in one half depends on the other half, so that errors do
+// not select each other (Rousselle, Knaus and Zwicker, "Adaptive rendering with non-local means
+// filtering", 2012), and what the halves differ by afterwards is the noise that is left. The mean is
+// that of a plane of least squares, because where the surface ends all texels lie on one side.
+// Immutable and thread-safe. Memory: 28 bytes per texel.
 class LightFilter {
 public:
     static constexpr std::uint32_t reach = 6;
     static constexpr std::size_t row = 2 * reach + 1, window = row * row;
 
-    // All spans are per texel and outlive the filter. Errors: those of for_rows().
+    // Which texel shows the place (x, y) texels from texel (u, v), beyond its chart.
+    using Beside =
+        std::function<std::optional<Texels2>(std::uint32_t u, std::uint32_t v, int x, int y)>;
+
+    // All spans are per texel and outlive the filter, and `beside`, if it is not empty, is
+    // thread-safe. Errors: those of for_rows().
     static Result<LightFilter> make(const Texels2& size, std::span<const NoisyLight> light,
                                     std::span<const std::uint32_t> charts,
-                                    std::span<const glm::vec3> normals, const BakeRun& run);
+                                    std::span<const glm::vec3> normals, const BakeRun& run,
+                                    Beside beside = {});
 
     // The mean light of each half. `shares`, if not empty, has `window` zeros, which are replaced by
     // the shares of the paths of the texels around (u, v) in the mean of both halves; they may be
@@ -42,16 +50,29 @@ public:
         return static_cast<std::size_t>((y + static_cast<int>(reach)) * static_cast<int>(row) + x +
                                         static_cast<int>(reach));
     }
-    // Calls visit(texel, x, y) for the texels of the same chart up to `far` texels away, where light
-    // is known; (x, y) is the way to them.
+    // Calls visit(texel, x, y) for the texels up to `far` texels away, where light is known; (x, y)
+    // is the way to them. Beyond the chart they are those of the charts that continue it.
     template <class Visit>
     void visit(std::uint32_t u, std::uint32_t v, std::uint32_t far, const Visit& visit) const {
         const std::uint32_t chart = charts_[index(u, v)];
-        for (std::uint32_t y = v - std::min(v, far); y <= std::min(v + far, size_[1] - 1); ++y)
-            for (std::uint32_t x = u - std::min(u, far); x <= std::min(u + far, size_[0] - 1); ++x)
-                if (const std::size_t q = index(x, y); light_[q].paths > 0 && charts_[q] == chart)
-                    visit(q, static_cast<int>(x) - static_cast<int>(u),
-                          static_cast<int>(y) - static_cast<int>(v));
+        const auto reach_of = static_cast<int>(far);
+        for (int y = -reach_of; y <= reach_of; ++y)
+            for (int x = -reach_of; x <= reach_of; ++x) {
+                const std::int64_t qu = std::int64_t{u} + x, qv = std::int64_t{v} + y;
+                if (qu >= 0 && qv >= 0 && qu < size_[0] && qv < size_[1]) {
+                    const std::size_t q =
+                        index(static_cast<std::uint32_t>(qu), static_cast<std::uint32_t>(qv));
+                    if (light_[q].paths > 0 && charts_[q] == chart) {
+                        visit(q, x, y);
+                        continue;
+                    }
+                }
+                if (!beside_)
+                    continue;
+                if (const auto other = beside_(u, v, x, y))
+                    if (const std::size_t q = index((*other)[0], (*other)[1]); light_[q].paths > 0)
+                        visit(q, x, y);
+            }
     }
 
 private:
@@ -69,6 +90,7 @@ private:
     std::span<const NoisyLight> light_;
     std::span<const std::uint32_t> charts_;
     std::span<const glm::vec3> normals_;
+    Beside beside_;
     std::vector<Guide> guides_;
 };
 

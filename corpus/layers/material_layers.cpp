@@ -36,8 +36,7 @@ std::optional<PlaceMaterial> material_of(const ModelPlaces& fine, const PlaceLig
         const Lobes lobes = nearest(at.point.lobes);
         const glm::dvec2 texel =
             (glm::dvec2(u + 0.5, v + 0.5) + offset) / static_cast<double>(finer);
-        const std::size_t chart = fine.texel_places().chart_of(at.on.triangle);
-        if (const auto arriving = light.diffuse(texel, chart, at.point.normal)) {
+        if (const auto arriving = light.diffuse(texel, at.chart, at.point.normal)) {
             sum.diffuse += lobes.diffuse * *arriving;
             ++lit;
         }
@@ -107,6 +106,30 @@ bool is_visible_around(const LayerTexture& opacity, std::uint32_t u, std::uint32
             if (opacity.texels[std::size_t{y} * width + x] != std::byte{0})
                 return true;
     return false;
+}
+
+// The quality of emission against the usual one. A display shows little of its errors where diffuse
+// light is bright, and what is brighter than white not at all.
+double quality_for_emission(const LayerTexture& layer, const LightTexels& emitted,
+                            const LightTexels& leaving) {
+    constexpr double per_doubling = 8.0; // of the quantiser's step
+    constexpr double most_less = 20.0;
+    constexpr double error = 1.0 / 64; // of a sample
+    double squares = 0, count = 0;
+    for (std::size_t i = 0; i < emitted.size(); ++i)
+        for (glm::length_t c = 0; c < 3; ++c) {
+            const auto own = static_cast<double>(emitted[i][c]),
+                       other = static_cast<double>(leaving[i][c]);
+            if (own <= 0.0)
+                continue;
+            const double sample = std::max(linear_to_srgb(own / layer.scale) - error, 0.0);
+            const double shown = linear_to_srgb(own + other) -
+                                 linear_to_srgb(layer.scale * srgb_to_linear(sample) + other);
+            squares += std::pow(shown / error, 2);
+            ++count;
+        }
+    const double shown = count > 0.0 ? std::sqrt(squares / count) : 1.0;
+    return std::clamp(per_doubling * std::log2(std::max(shown, 1e-6)), -most_less, 0.0);
 }
 
 bool needs_emission(const Model& model) {
@@ -187,6 +210,7 @@ bake_material_layers(const ModelPlaces& fine, const PlaceLight& light, const Tra
     }));
     store_light(diffuse, leaving, most_light);
     store_light(emission, emitted, most_light);
+    emission.quality_change = quality_for_emission(emission, emitted, leaving);
     std::vector<LayerTexture> layers;
     layers.push_back(std::move(diffuse));
     if (masked)

@@ -131,7 +131,7 @@ void PlaceLight::bake(const ModelPlaces& places, const Tracer& tracer, const Dis
                       const PlaceLightOptions& options, std::uint32_t u, std::uint32_t v) {
     const std::size_t at = index(u, v);
     const ModelSurfacePlace centre = places.place(u, v, {0.0, 0.0});
-    charts_[at] = static_cast<std::uint32_t>(places.texel_places().chart_of(centre.on.triangle));
+    charts_[at] = static_cast<std::uint32_t>(centre.chart);
     const glm::dvec3 middle = centre.frame.ez;
     ArrivingLight<glm::dvec3> sum;
     const auto point_at = [&](PathRandom& random) {

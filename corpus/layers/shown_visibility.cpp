@@ -44,8 +44,7 @@ double shown_error_of_visibility(const ModelPlaces& places, const PlaceLight& li
                                       .specular = lobes.facing,
                                       .roughness = std::sqrt(lobes.alpha)};
         const auto arriving =
-            light.diffuse(glm::dvec2(u + 0.5, v + 0.5),
-                          places.texel_places().chart_of(place.on.triangle), place.point.normal);
+            light.diffuse(glm::dvec2(u + 0.5, v + 0.5), place.chart, place.point.normal);
         glm::dvec3 leaving = arriving ? lobes.diffuse * *arriving * exposure : glm::dvec3(0.0);
         std::vector<glm::dvec3> highlights;
         for (std::size_t j = 0; j < lights.size(); ++j) {

@@ -10,6 +10,7 @@ namespace tessera::corpus {
 namespace {
 
 constexpr unsigned hidden_rays = 24;
+constexpr double least_alike = 0.9; // cosine between the normals of a texel's places
 
 // The nearest place within the triangle, a little off its edges: rays that start on an edge slip
 // through the surface that meets it there.
@@ -29,6 +30,13 @@ glm::dvec2 inside(const Model& model, const ModelPlace& place) {
     return {w.y / sum, w.z / sum};
 }
 
+// The vector, turned as `from` is turned to `to`. Both are unit vectors that face alike.
+glm::dvec3 turned(const glm::dvec3& v, const glm::dvec3& from, const glm::dvec3& to) {
+    const glm::dvec3 middle = from + to;
+    return v - middle * (glm::dot(v, middle) / (1.0 + glm::dot(from, to))) +
+           2.0 * glm::dot(v, from) * to;
+}
+
 // How far a place is outside the triangle; at most 0 within it.
 double outside(const glm::dvec2& b) {
     return -std::min({b.x, b.y, 1.0 - b.x - b.y});
@@ -37,15 +45,18 @@ double outside(const glm::dvec2& b) {
 } // namespace
 
 ModelPlaces::ModelPlaces(std::shared_ptr<const SurfaceMesh> mesh, std::vector<Chart> charts,
-                         std::shared_ptr<const RayModel> model, TexelPlaces places)
+                         std::shared_ptr<const RayModel> model,
+                         std::shared_ptr<const ContinuedSurface> continued, TexelPlaces places)
     : mesh_(std::move(mesh)), tangents_(mesh_tangents(*mesh_)), charts_(std::move(charts)),
-      model_(std::move(model)), places_(std::move(places)) {}
+      model_(std::move(model)), continued_(std::move(continued)), places_(std::move(places)) {}
 
 Result<ModelPlaces> ModelPlaces::make(ModelAtlas atlas) {
     TESSERA_TRY_ASSIGN(TexelPlaces places, TexelPlaces::make(atlas.mesh, atlas.charts, atlas.size));
     TESSERA_TRY_ASSIGN(auto model, RayModel::make(std::move(atlas.model)));
+    auto continued = std::make_shared<const ContinuedSurface>(model->model());
     return ModelPlaces(std::make_shared<const SurfaceMesh>(std::move(atlas.mesh)),
-                       std::move(atlas.charts), std::move(model), std::move(places));
+                       std::move(atlas.charts), std::move(model), std::move(continued),
+                       std::move(places));
 }
 
 Result<ModelPlaces> ModelPlaces::finer(std::uint32_t times) const {
@@ -57,7 +68,7 @@ Result<ModelPlaces> ModelPlaces::finer(std::uint32_t times) const {
         }
     const Texels2 size{places_.size()[0] * times, places_.size()[1] * times};
     TESSERA_TRY_ASSIGN(TexelPlaces places, TexelPlaces::make(*mesh_, charts, size));
-    return ModelPlaces(mesh_, std::move(charts), model_, std::move(places));
+    return ModelPlaces(mesh_, std::move(charts), model_, continued_, std::move(places));
 }
 
 // The place on the nearest triangle around the texel, because triangles may be as small as texels.
@@ -80,10 +91,43 @@ ModelSurfacePlace ModelPlaces::place(std::uint32_t u, std::uint32_t v,
                 best = other;
             }
         }
-    best.barycentric = inside(model_->model(), {best.triangle, best.barycentric});
-    const ModelPlace on{best.triangle, best.barycentric};
-    return {model_->point(on), surface_point(*mesh_, tangents_, on.triangle, on.barycentric).frame,
-            on};
+    const ModelPlace beside{best.triangle, best.barycentric};
+    const ModelPlace own{best.triangle, inside(model_->model(), beside)};
+    const SurfaceFrame frame = frame_at(own);
+    if (least > 0.0)
+        if (const ModelPlace to = continued_->walk(beside); to.triangle != own.triangle) {
+            const ModelPlace on{to.triangle, inside(model_->model(), to)};
+            const glm::dvec3 normal = frame_at(on).ez;
+            if (glm::dot(normal, frame.ez) > least_alike) {
+                LitPoint point = model_->point(on);
+                point.normal = turned(point.normal, normal, frame.ez);
+                return {point, frame, on, chart};
+            }
+        }
+    return {model_->point(own), frame, own, chart};
+}
+
+SurfaceFrame ModelPlaces::frame_at(const ModelPlace& on) const {
+    return surface_point(*mesh_, tangents_, on.triangle, on.barycentric).frame;
+}
+
+std::optional<Texels2> ModelPlaces::texel_beside(std::uint32_t u, std::uint32_t v,
+                                                 const glm::dvec2& offset) const {
+    const TrianglePlace from = places_.place(u, v, offset);
+    const ModelPlace to = continued_->walk({from.triangle, from.barycentric});
+    if (to.triangle == from.triangle || !(outside(to.barycentric) <= 0.0))
+        return std::nullopt;
+    const auto& [a, b, c] = mesh_->triangles[to.triangle];
+    const glm::dvec2 uv = glm::dvec2(mesh_->uv[a]) * (1.0 - to.barycentric.x - to.barycentric.y) +
+                          glm::dvec2(mesh_->uv[b]) * to.barycentric.x +
+                          glm::dvec2(mesh_->uv[c]) * to.barycentric.y;
+    Texels2 texel;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const double last = places_.size()[axis] - 1.0;
+        texel[axis] = static_cast<std::uint32_t>(std::clamp(
+            std::floor(uv[static_cast<glm::length_t>(axis)] * places_.size()[axis]), 0.0, last));
+    }
+    return texel;
 }
 
 bool ModelPlaces::is_inside(std::uint32_t u, std::uint32_t v, const glm::dvec2& offset) const {

@@ -37,8 +37,9 @@ struct NoisyChart {
     static std::size_t index(std::uint32_t u, std::uint32_t v) {
         return std::size_t{v} * filtered_size[0] + u;
     }
-    LightFilter filter() const {
-        auto made = LightFilter::make(filtered_size, light, charts, normals, {.threads = 2});
+    LightFilter filter(LightFilter::Beside beside = {}) const {
+        auto made = LightFilter::make(filtered_size, light, charts, normals, {.threads = 2},
+                                      std::move(beside));
         EXPECT_TRUE(made.ok());
         return std::move(*made);
     }
@@ -91,6 +92,33 @@ TEST(LightFilter, KeepsSlopes) {
     }
     EXPECT_NEAR(first, 0.0, 0.02);
     EXPECT_NEAR(last, 0.0, 0.02);
+}
+
+// Two charts that continue each other are filtered as one.
+TEST(LightFilter, ReachesTheChartsThatContinueItsOwn) {
+    const NoisyChart one([](std::uint32_t u, std::uint32_t v) { return u < v ? 0.8f : 0.4f; });
+    const LightFilter whole = one.filter();
+    NoisyChart chart = one;
+    for (std::uint32_t v = 0; v < filtered_size[1]; ++v)
+        for (std::uint32_t u = 20; u < filtered_size[0]; ++u)
+            chart.charts[NoisyChart::index(u, v)] = 1;
+    const LightFilter parted = chart.filter();
+    const LightFilter continued = chart.filter([](std::uint32_t u, std::uint32_t v, int x, int y) {
+        const std::array<std::int64_t, 2> at{std::int64_t{u} + x, std::int64_t{v} + y};
+        std::optional<Texels2> texel;
+        if (at[0] >= 0 && at[1] >= 0 && at[0] < filtered_size[0] && at[1] < filtered_size[1])
+            texel = {static_cast<std::uint32_t>(at[0]), static_cast<std::uint32_t>(at[1])};
+        return texel;
+    });
+    double step = 0;
+    for (std::uint32_t v = 0; v < filtered_size[1]; ++v)
+        for (const std::uint32_t u : {14u, 19u, 20u, 25u}) {
+            EXPECT_EQ(mean_of_halves(continued, u, v), mean_of_halves(whole, u, v))
+                << u << ' ' << v;
+            step = std::max(step, std::abs(double{mean_of_halves(parted, u, v)} -
+                                           double{mean_of_halves(whole, u, v)}));
+        }
+    EXPECT_GT(step, 0.01);
 }
 
 // Shares of all paths add up to 1, and none is of another chart or of a side that faces away.

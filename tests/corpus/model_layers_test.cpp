@@ -157,6 +157,24 @@ TEST(ModelLayers, HalfTransparentCardsCastHalfAShadow) {
     EXPECT_NEAR(brightest * diffuse.scale, 0.5 * 3.0 * 0.96 / std::numbers::pi, 0.03);
 }
 
+// Beside bright light, errors of emission hardly show, so it takes fewer bytes.
+TEST(ModelLayers, QualityOfEmissionFollowsWhatADisplayShows) {
+    Model model = ball_model(8);
+    model.materials[0].metal = 0;
+    model.materials[0].roughness = 1;
+    ModelLayersOptions options = quick();
+    options.texels = 1000;
+    options.light.diffuse_samples = 8;
+    const auto quality = [&](double emission, float light) {
+        model.materials[0].emission = glm::dvec3(emission);
+        const ModelLayers layers = baked(model, {uniform_environment(light)}, options);
+        return layer(layers, LayerRole::emission).quality_change;
+    };
+    EXPECT_NEAR(quality(1.0, 0.0f), 0.0, 1.0);
+    EXPECT_LT(quality(0.2, 0.5f), -10.0);
+    EXPECT_GE(quality(0.2, 2.0f), -20.0); // all is white
+}
+
 // Scans are often unlit (KHR_materials_unlit): nothing but their colour is seen.
 TEST(ModelLayers, UnlitSurfacesShowTheirColourAlone) {
     Model model = ball_model(8);
