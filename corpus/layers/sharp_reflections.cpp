@@ -91,7 +91,7 @@ ReflectionLayout reflection_layout(const Model& model, double texels) {
         layout.quality_change = -10.0;
     } else if (is_mostly_metal(model)) {
         layout.fewer_paths = 8;
-        layout.quality_change = -20.0;
+        layout.quality_change = -16.0;
         most_places = most_metal_places;
     } else {
         return has_lamps(model) ? ReflectionLayout{.directions = 16, .fewer_paths = 2}
@@ -108,8 +108,8 @@ double normal_quality_change(double share) {
 }
 
 double visibility_quality_change(std::uint32_t places) {
-    constexpr double per_doubling = -4.0;
-    return per_doubling * std::log2(static_cast<double>(places));
+    constexpr double per_doubling = -4.0, least = -8.0;
+    return std::max(per_doubling * std::log2(static_cast<double>(places)), least);
 }
 
 } // namespace tessera::corpus

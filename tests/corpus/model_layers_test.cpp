@@ -311,8 +311,10 @@ TEST(ModelLayers, VisibilityIsAsExactAsHighlightsAreBright) {
     model.materials[0].metal = 0.0;
     model.materials[0].roughness = 1.0;
     const ModelLight light{std::make_shared<const Environment>(Environment::studio()), {}};
+    ModelLayersOptions options = quick();
+    options.directions = Texels2{2, 2};
     const auto change = [&] {
-        return layer(baked(model, light, quick()), LayerRole::visibility).quality_change;
+        return layer(baked(model, light, options), LayerRole::visibility).quality_change;
     };
     const double dull = change();
     model.materials[0].metal = 1.0;
@@ -351,12 +353,15 @@ TEST(ModelLayers, NormalsAreAsExactAsMirrorsAreCommon) {
     EXPECT_EQ(normal_quality_change(0.5), 8.0);
     EXPECT_EQ(normal_quality_change(1.0), 12.0);
     EXPECT_EQ(visibility_quality_change(1), 0.0);
-    EXPECT_EQ(visibility_quality_change(4), -8.0);
+    EXPECT_EQ(visibility_quality_change(2), -4.0);
+    EXPECT_EQ(visibility_quality_change(64), -8.0);
     Model model = cube_model();
     model.materials[0].metal = 1.0;
+    ModelLayersOptions options = quick();
+    options.directions = Texels2{2, 2};
     const auto change_at = [&](double roughness) {
         model.materials[0].roughness = roughness;
-        return layer(baked(model, white_light(), quick()), LayerRole::normal).quality_change;
+        return layer(baked(model, white_light(), options), LayerRole::normal).quality_change;
     };
     EXPECT_EQ(change_at(0.1), 12.0);
     EXPECT_EQ(change_at(0.3), 0.0);
