@@ -81,7 +81,6 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     // Whole tiles of the finest layers. Those of other sides would begin at odd texels, across
     // charts, and without mips.
     layout.side_step = std::max(LayerTexture().tile[axis_u] / light_texel, 1u);
-    const bool sharp = reflects_sharply(model);
     layout.position_bits = position_bits(model, viewed, options);
     TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_layer_atlas(model, layout, options.normal_bits));
     ModelLayers out;
@@ -112,17 +111,23 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
                                                         options.exposure, options.run));
     if (!mirrors)
         return out;
+    const Texels2 texels = fine.texel_places().size();
+    const ReflectionLayout mirrored =
+        reflection_layout(model, static_cast<double>(texels[0]) * texels[1]);
+    const std::uint32_t cell = std::max(mirrored.texel / light_texel, 1u);
+    for (LayerTexture& layer : out.layers)
+        if (layer.role == LayerRole::normal)
+            layer.quality_change = normal_quality_change(sharp_share(model));
     if (!out.lights.empty()) {
         TESSERA_TRY_ASSIGN(
             LayerTexture visibility,
             bake_visibility_layer(coarse, places, out.lights, options.exposure, options.run));
+        if (mirrored.many_places)
+            visibility.quality_change += visibility_quality_change(cell);
         out.layers.push_back(std::move(visibility));
     }
-    const Texels2 texels = fine.texel_places().size();
-    const ReflectionLayout mirrored =
-        reflection_layout(model, sharp, static_cast<double>(texels[0]) * texels[1]);
     const ReflectionOptions reflection{
-        .cell = std::max(mirrored.texel / light_texel, 1u),
+        .cell = cell,
         .directions =
             options.directions.value_or(Texels2{mirrored.directions, mirrored.directions}),
         .samples = std::max(options.samples / mirrored.fewer_paths, 1u),
@@ -132,6 +137,7 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     TESSERA_TRY_ASSIGN(
         LayerTexture reflected,
         bake_reflection_layer(coarse, places, tracer, nearest, reflection, options.run));
+    reflected.quality_change += mirrored.quality_change;
     out.layers.push_back(std::move(reflected));
     const std::vector<double> lobes = environment_lobes(out.layers);
     if (!lobes.empty() && !out.lights.empty()) {

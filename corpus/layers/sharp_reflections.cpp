@@ -1,15 +1,16 @@
 #include "corpus/layers/sharp_reflections.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <vector>
 
 namespace tessera::corpus {
 namespace {
 
-constexpr double most_roughness = 0.2;
-constexpr double least_share = 0.1;
-constexpr double most_places = 10'000; // of the whole atlas
+constexpr double most_roughness = 0.2, most_metal_roughness = 0.305; // roughness has 8 bits
+constexpr double metal = 0.3;                                        // reflects at least so much
+constexpr double least_share = 0.1, least_metal_share = 0.5;
 
 // The mean of a channel of the texture; 1 without one.
 double mean_of(const Model& model, const TextureUse& use, std::size_t channel) {
@@ -40,6 +41,28 @@ Mirror mirror_of(const Model& model, const ModelMaterial& m) {
             m.roughness * mean_of(model, texture, 1)};
 }
 
+// The share of the surface's reflectance for which counts(its material) is true.
+template <class Counts> double share_of(const Model& model, const Counts& counts) {
+    std::vector<Mirror> mirrors;
+    for (const ModelMaterial& material : model.materials)
+        mirrors.push_back(mirror_of(model, material));
+    double all = 0, counted = 0;
+    for (const ModelTriangle& triangle : model.triangles) {
+        const Mirror& mirror = mirrors[triangle.material];
+        const double reflects = glm::length(area_vector(model, triangle)) * mirror.reflectance;
+        all += reflects;
+        if (counts(mirror))
+            counted += reflects;
+    }
+    return all > 0.0 ? counted / all : 0.0;
+}
+
+bool is_mostly_metal(const Model& model) {
+    return share_of(model, [](const Mirror& m) {
+               return m.reflectance > metal && m.roughness <= most_metal_roughness;
+           }) > least_metal_share;
+}
+
 bool has_lamps(const Model& model) {
     return std::ranges::any_of(model.triangles, [&](const ModelTriangle& triangle) {
         return is_lamp(model.materials[triangle.material]);
@@ -48,29 +71,45 @@ bool has_lamps(const Model& model) {
 
 } // namespace
 
-bool reflects_sharply(const Model& model) {
-    std::vector<Mirror> mirrors;
-    for (const ModelMaterial& material : model.materials)
-        mirrors.push_back(mirror_of(model, material));
-    double all = 0, sharp = 0;
-    for (const ModelTriangle& triangle : model.triangles) {
-        const Mirror& mirror = mirrors[triangle.material];
-        const double reflects = glm::length(area_vector(model, triangle)) * mirror.reflectance;
-        all += reflects;
-        if (mirror.roughness <= most_roughness)
-            sharp += reflects;
-    }
-    return sharp > least_share * all;
+double sharp_share(const Model& model) {
+    return share_of(model, [](const Mirror& m) { return m.roughness <= most_roughness; });
 }
 
-ReflectionLayout reflection_layout(const Model& model, bool sharp, double texels) {
-    if (!sharp)
+bool reflects_sharply(const Model& model) {
+    return sharp_share(model) > least_share;
+}
+
+// Images of the model itself change from place to place, so that many places with coarse steps show
+// them better than few with fine ones. On smooth metal, each further path adds edges that all have
+// to be coded. Rough metal has noise instead.
+ReflectionLayout reflection_layout(const Model& model, double texels) {
+    constexpr double most_sharp_places = 40'000, most_metal_places = 10'000; // of the whole atlas
+    ReflectionLayout layout{.texel = 2, .directions = 24, .many_places = true};
+    double most_places = most_sharp_places;
+    if (reflects_sharply(model)) {
+        layout.fewer_paths = 16;
+        layout.quality_change = -10.0;
+    } else if (is_mostly_metal(model)) {
+        layout.fewer_paths = 8;
+        layout.quality_change = -16.0;
+        most_places = most_metal_places;
+    } else {
         return has_lamps(model) ? ReflectionLayout{.directions = 16, .fewer_paths = 2}
                                 : ReflectionLayout();
-    ReflectionLayout layout{.texel = 2, .directions = 24, .fewer_paths = 4};
+    }
     while (texels > most_places * layout.texel * layout.texel)
         layout.texel *= 2;
     return layout;
+}
+
+double normal_quality_change(double share) {
+    constexpr double all = 12.0, per_doubling = 4.0;
+    return share > 0.0 ? std::max(all + per_doubling * std::log2(share), 0.0) : 0.0;
+}
+
+double visibility_quality_change(std::uint32_t places) {
+    constexpr double per_doubling = -4.0, least = -8.0;
+    return std::max(per_doubling * std::log2(static_cast<double>(places)), least);
 }
 
 } // namespace tessera::corpus

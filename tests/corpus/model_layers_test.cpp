@@ -329,8 +329,10 @@ TEST(ModelLayers, VisibilityIsAsExactAsHighlightsAreBright) {
     model.materials[0].metal = 0.0;
     model.materials[0].roughness = 1.0;
     const ModelLight light{std::make_shared<const Environment>(Environment::studio()), {}};
+    ModelLayersOptions options = quick();
+    options.directions = Texels2{2, 2};
     const auto change = [&] {
-        return layer(baked(model, light, quick()), LayerRole::visibility).quality_change;
+        return layer(baked(model, light, options), LayerRole::visibility).quality_change;
     };
     const double dull = change();
     model.materials[0].metal = 1.0;
@@ -338,13 +340,58 @@ TEST(ModelLayers, VisibilityIsAsExactAsHighlightsAreBright) {
     EXPECT_LT(dull, change() - 5.0);
 }
 
+// Metal shows itself. What is sharp needs more places, and noise must not be coded.
+TEST(ModelLayers, ReflectionsOfMetalHaveManyPlaces) {
+    constexpr double texels = 4e6;
+    Model model = cube_model();
+    model.materials[0].metal = 1.0;
+    const auto layout_of = [&](double roughness) {
+        model.materials[0].roughness = roughness;
+        return reflection_layout(model, texels);
+    };
+    const ReflectionLayout sharp = layout_of(0.2), smooth = layout_of(0.3), rough = layout_of(0.4);
+    EXPECT_LT(sharp.texel, smooth.texel);
+    EXPECT_LE(texels / (sharp.texel * sharp.texel), 40'000);
+    EXPECT_LE(texels / (smooth.texel * smooth.texel), 10'000);
+    EXPECT_GT(sharp.fewer_paths, smooth.fewer_paths);
+    EXPECT_GT(sharp.quality_change, smooth.quality_change);
+    EXPECT_EQ(smooth.directions, sharp.directions);
+    EXPECT_TRUE(smooth.many_places);
+    EXPECT_EQ(rough.texel, ReflectionLayout().texel);
+    EXPECT_EQ(rough.quality_change, 0.0);
+    EXPECT_FALSE(rough.many_places);
+    model.materials[0].metal = 0.0; // reflects little
+    EXPECT_FALSE(layout_of(0.3).many_places);
+}
+
+// Errors of normals bend what mirrors show.
+TEST(ModelLayers, NormalsAreAsExactAsMirrorsAreCommon) {
+    EXPECT_EQ(normal_quality_change(0.0), 0.0);
+    EXPECT_EQ(normal_quality_change(0.1), 0.0);
+    EXPECT_EQ(normal_quality_change(0.5), 8.0);
+    EXPECT_EQ(normal_quality_change(1.0), 12.0);
+    EXPECT_EQ(visibility_quality_change(1), 0.0);
+    EXPECT_EQ(visibility_quality_change(2), -4.0);
+    EXPECT_EQ(visibility_quality_change(64), -8.0);
+    Model model = cube_model();
+    model.materials[0].metal = 1.0;
+    ModelLayersOptions options = quick();
+    options.directions = Texels2{2, 2};
+    const auto change_at = [&](double roughness) {
+        model.materials[0].roughness = roughness;
+        return layer(baked(model, white_light(), options), LayerRole::normal).quality_change;
+    };
+    EXPECT_EQ(change_at(0.1), 12.0);
+    EXPECT_EQ(change_at(0.3), 0.0);
+}
+
 // Lamps have edges in reflections that are not sharp, too.
 TEST(ModelLayers, ReflectionsOfModelsWithLampsHaveMoreDirections) {
     Model model = cube_model();
-    EXPECT_EQ(reflection_layout(model, false, 1000).directions, 8u);
+    EXPECT_EQ(reflection_layout(model, 1000).directions, 8u);
     model.materials[0].emission = glm::dvec3(0.0, 2.0, 0.0);
-    EXPECT_EQ(reflection_layout(model, false, 1000).directions, 16u);
-    EXPECT_EQ(reflection_layout(model, false, 1000).texel, ReflectionLayout().texel);
+    EXPECT_EQ(reflection_layout(model, 1000).directions, 16u);
+    EXPECT_EQ(reflection_layout(model, 1000).texel, ReflectionLayout().texel);
 }
 
 // A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one
