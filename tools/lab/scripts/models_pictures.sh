@@ -37,7 +37,7 @@ studio="--env $assets/studio.exr"
 row FlightHelmet models/FlightHelmet/FlightHelmet.gltf 0.09305,0.5785,0.3796 -0.02035,0.5092,0.03939 36 \
     "180000:500000 240000:700000 default 480000:1500000" $studio
 row AlphaBlendModeTest models/AlphaBlendModeTest.glb 0,1.2,4 0,1.2,0 36 "40000 80000 160000 320000" $studio
-row PalmTree models/PalmTree/PalmTree.gltf 5,3.5,7 0,2,0 40 "40000 80000 160000 320000" $studio
+row PalmTree models/PalmTree/PalmTree.gltf 5,3.5,7 0,2,0 40 "80000 160000 default 320000" $studio
 row CornellBox models/CornellBox.glb -141,412,269 -278,274,-280 45 "15000 30000 60000 120000"
 row teapot models/teapot.obj 2.60268,3.0064,4.77135 0.217,1.86128,0 36 "20000 40000 70000 150000" \
     --metal 1 --roughness 0.1 $studio
