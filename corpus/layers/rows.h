@@ -11,9 +11,9 @@ namespace tessera::corpus {
 // How a baker runs. Nothing of it changes the result.
 struct BakeRun {
     unsigned threads = 0; // 0: all cores
-    ProgressFunction progress;
+    ProgressFunction progress{};
     // Called from several threads. Once it returns true, baking stops with the error "interrupted".
-    std::function<bool()> cancelled;
+    std::function<bool()> cancelled{};
 };
 
 // Calls work(row) once for each of `rows` rows, in any order, from several threads. Errors: runtime

@@ -113,7 +113,7 @@ TEST(ModelSurface, LooseTrianglesDoNotGrowTheAtlas) {
     const auto atlas = make_model_atlas(model, options);
     ASSERT_TRUE(atlas.ok());
     EXPECT_EQ(atlas->charts.size(), 4'000u);
-    EXPECT_LT(double{atlas->size[0]} * atlas->size[1], 1.75 * options.texels);
+    EXPECT_LT(1.0 * atlas->size[0] * atlas->size[1], 1.75 * options.texels);
     EXPECT_LE(atlas->size[1], 4 * atlas->size[0] + 4096);
 }
 
