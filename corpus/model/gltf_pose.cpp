@@ -78,6 +78,15 @@ glm::dmat4 transform_of(const tinygltf::Node& node) {
     return m;
 }
 
+std::vector<int> parents_of(const tinygltf::Model& file) {
+    std::vector<int> parents(file.nodes.size(), -1);
+    for (std::size_t i = 0; i < parents.size(); ++i)
+        for (const int child : file.nodes[i].children)
+            if (has(file.nodes, child))
+                parents[static_cast<std::size_t>(child)] = static_cast<int>(i);
+    return parents;
+}
+
 Status add_targets(const tinygltf::Model& file, const tinygltf::Primitive& primitive,
                    const std::vector<double>& weights, ModelPart& part) {
     const std::size_t count = std::min(weights.size(), primitive.targets.size());
@@ -95,12 +104,7 @@ Status add_targets(const tinygltf::Model& file, const tinygltf::Primitive& primi
 }
 
 GltfSkins::GltfSkins(const tinygltf::Model& file)
-    : file_(file), parents_(file.nodes.size(), -1), places_(file.nodes.size()) {
-    for (std::size_t i = 0; i < file.nodes.size(); ++i)
-        for (const int child : file.nodes[i].children)
-            if (has(file.nodes, child))
-                parents_[static_cast<std::size_t>(child)] = static_cast<int>(i);
-}
+    : file_(file), parents_(parents_of(file)), places_(file.nodes.size()) {}
 
 Result<glm::dmat4> GltfSkins::place_of(int node) {
     std::vector<std::size_t> unknown; // from the node upwards

@@ -13,6 +13,9 @@ constexpr int deepest_node = 1'000; // levels of nodes
 // The transform of a node below its parent.
 glm::dmat4 transform_of(const tinygltf::Node& node);
 
+// The node above each node; -1: none.
+std::vector<int> parents_of(const tinygltf::Model& file);
+
 // Adds the morph targets of the primitive to the part, each times its weight. Targets without a
 // weight stay out. Errors: invalid_file, unsupported (those of read_accessor()).
 Status add_targets(const tinygltf::Model& file, const tinygltf::Primitive& primitive,
@@ -33,7 +36,7 @@ private:
     Result<glm::dmat4> place_of(int node);
 
     const tinygltf::Model& file_;
-    std::vector<int> parents_;                      // of nodes; -1: none
+    std::vector<int> parents_;                      // of nodes
     std::vector<std::optional<glm::dmat4>> places_; // of nodes, as far as they are known
     std::map<int, std::vector<glm::dmat4>> joints_;
 };

@@ -90,13 +90,9 @@ private:
     // The nodes of the scene. Without a scene, all nodes that are below no other.
     Status add_roots() {
         if (file_.scenes.empty()) {
-            std::vector<bool> is_below(file_.nodes.size(), false);
-            for (const tinygltf::Node& node : file_.nodes)
-                for (const int child : node.children)
-                    if (has(file_.nodes, child))
-                        is_below[static_cast<std::size_t>(child)] = true;
-            for (std::size_t i = 0; i < is_below.size(); ++i)
-                if (!is_below[i])
+            const std::vector<int> parents = parents_of(file_);
+            for (std::size_t i = 0; i < parents.size(); ++i)
+                if (parents[i] < 0)
                     TESSERA_TRY(add_node(static_cast<int>(i), glm::dmat4(1.0), 0));
             return {};
         }
