@@ -110,9 +110,8 @@ DistantLight light_of(const Sum& sum) {
     return light;
 }
 
-std::list<EnvironmentPatch> split(const Cells& cells, unsigned count) {
-    std::list<EnvironmentPatch> patches{{0, 0, columns, rows, {}}};
-    find_split(cells, patches.front());
+// Splits patches until there are `count`.
+void split(const Cells& cells, unsigned count, std::list<EnvironmentPatch>& patches) {
     while (patches.size() < count) {
         auto best = patches.begin();
         for (auto it = patches.begin(); it != patches.end(); ++it)
@@ -127,12 +126,32 @@ std::list<EnvironmentPatch> split(const Cells& cells, unsigned count) {
         find_split(cells, second);
         patches.insert(std::next(best), second);
     }
+}
+
+// The mean square of the spreads, weighted by brightness.
+double spread_of(const std::list<EnvironmentPatch>& patches) {
+    double spread = 0, brightness = 0;
+    for (const EnvironmentPatch& patch : patches) {
+        spread += patch.sum.brightness - patch.sum.together();
+        brightness += patch.sum.brightness;
+    }
+    return brightness > 0.0 ? spread / brightness : 0.0;
+}
+
+std::list<EnvironmentPatch> split(const Cells& cells, std::optional<unsigned> count) {
+    std::list<EnvironmentPatch> patches{{0, 0, columns, rows, {}}};
+    find_split(cells, patches.front());
+    split(cells, count.value_or(DistantLights::least), patches);
+    // That of three softboxes is 0.004, that of skies and rooms with windows about 0.05.
+    constexpr double most_spread = 0.02;
+    if (!count && spread_of(patches) > most_spread)
+        split(cells, DistantLights::most, patches);
     return patches;
 }
 
 } // namespace
 
-DistantLights::DistantLights(const ModelLight& light, unsigned count) {
+DistantLights::DistantLights(const ModelLight& light, std::optional<unsigned> count) {
     const Cells cells = cells_of(*light.environment);
     for (const EnvironmentPatch& patch : split(cells, count)) {
         if (!(patch.sum.brightness > 0.0))

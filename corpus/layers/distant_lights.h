@@ -4,6 +4,8 @@
 #include "corpus/trace/tracer.h"
 #include "format/layers.h"
 
+#include <optional>
+
 namespace tessera::corpus {
 
 // The environment, split into parts. Its picture is split at the place that reduces the spread of
@@ -12,8 +14,11 @@ namespace tessera::corpus {
 // Immutable and thread-safe.
 class DistantLights {
 public:
-    // At most `count` parts of the environment's picture.
-    DistantLights(const ModelLight& light, unsigned count);
+    static constexpr unsigned least = 16, most = 32;
+
+    // At most `count` parts of the environment's picture. By default `least`, or `most` if that few
+    // would each stand for light from too many directions, as those of a broad sky do.
+    explicit DistantLights(const ModelLight& light, std::optional<unsigned> count = {});
 
     std::size_t count() const { return parts_.size(); }
     // One for each part, with all of its light. `exposure` multiplies it.

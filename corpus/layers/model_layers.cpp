@@ -92,11 +92,11 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     TESSERA_TRY_ASSIGN(const ModelPlaces fine, coarse.finer(light_texel));
     const Tracer tracer(coarse.model(), light);
     // Without lights in the file, they still spread the rays evenly over the environment.
-    const DistantLights lights(light,
-                               options.lights > 0 ? options.lights : ModelLayersOptions().lights);
+    const bool stored = options.lights != 0u;
+    const DistantLights lights(light, stored ? options.lights : std::nullopt);
     const NearestLobes nearest(light);
     const bool mirrors = mirrors_light(model);
-    if (options.lights > 0 && mirrors)
+    if (stored && mirrors)
         out.lights = lights.lights(options.exposure);
     PlaceLightOptions gathering = options.light;
     gathering.exposure = options.exposure;

@@ -13,7 +13,7 @@ struct ModelLayersOptions {
     std::optional<double>
         texels{};       // of the layers with one direction; else those of layer_density()
     double density = 0; // texels per world unit; 0: such that the surface has `texels`
-    unsigned lights = 16;
+    std::optional<unsigned> lights{}; // else as many as DistantLights takes; 0: none in the file
     std::optional<std::uint32_t> light_texel{}; // else that of layer_density()
     std::optional<Texels2> directions{}; // of the reflection; else those of reflection_layout()
     unsigned samples = 64;               // paths per texel of the reflection, on rough surfaces

@@ -44,6 +44,20 @@ TEST(DistantLights, AddUpToTheEnvironment) {
     EXPECT_EQ(lights[3].spread, 0.0f);
 }
 
+// Softboxes need few lights, and a broad sky needs more. Who asks for a number gets it.
+TEST(DistantLights, AreMoreForABroadSky) {
+    LightImage boxes{64, 32, std::vector<glm::vec3>(64 * 32, glm::vec3(0.001f))};
+    for (const std::size_t x : {5u, 30u, 50u})
+        for (std::size_t y = 8; y < 11; ++y)
+            for (std::size_t side = 0; side < 3; ++side)
+                boxes.texels[64 * y + x + side] = glm::vec3(20.0f);
+    const ModelLight studio{std::make_shared<const Environment>(std::move(boxes)), {}};
+    const ModelLight sky{uniform_environment(1.0f), {}};
+    EXPECT_EQ(DistantLights(studio).count(), DistantLights::least);
+    EXPECT_EQ(DistantLights(sky).count(), DistantLights::most);
+    EXPECT_EQ(DistantLights(sky, 5).count(), 5u);
+}
+
 // The mean of many samples is the light of the part, and comes from around its direction.
 TEST(DistantLights, SamplesAddUpToEachPart) {
     ModelLight light{std::make_shared<const Environment>(Environment::studio()), {}};

@@ -1,5 +1,6 @@
 #include "tools/verbs/bake_choice.h"
 
+#include "corpus/layers/distant_lights.h"
 #include "corpus/layers/layer_density.h"
 #include "corpus/layers/layer_trial.h"
 #include "corpus/layers/model_layers.h"
@@ -40,14 +41,14 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
     const double samples = a.samples;
     double own = 0; // bytes of texels
     if (choice.layered) {
-        const corpus::ModelLayersOptions usual;
         const corpus::LayerDensity density = corpus::layer_density(model, texels_asked(a, model));
         const double texels = density.texels;
         const corpus::ReflectionLayout mirrored = corpus::reflection_layout(model, texels);
         const double cell = mirrored.texel, place = density.light_texel;
         const double directions = static_cast<double>(mirrored.directions) * mirrored.directions;
         const double paths =
-            texels / (place * place) * (4 * samples + 2.0 * a.lights.value_or(usual.lights)) +
+            texels / (place * place) *
+                (4 * samples + 2.0 * a.lights.value_or(corpus::DistantLights::most)) +
             texels / (cell * cell) * directions * 4 * samples / mirrored.fewer_paths;
         choice.seconds = (paths * path_seconds + texels * texel_seconds) / threads;
         own = texels * bytes_per_texel;

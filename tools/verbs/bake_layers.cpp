@@ -20,7 +20,7 @@ corpus::ModelLayersOptions layer_options(const BakeCommand& a, const corpus::Sur
     options.density = wish.density.value_or(0.0) / file.model.frame.scale;
     options.directions = wish.directions;
     options.texels = a.texels;
-    options.lights = a.lights.value_or(options.lights);
+    options.lights = a.lights;
     options.samples = a.samples * paths_per_reflection;
     options.light.diffuse_samples = a.samples * paths_per_place;
     options.light.emitter_samples = a.samples * emitter_rays_per_place;

@@ -252,7 +252,7 @@ void declare(CLI::App& c, BakeCommand& a) {
                   number_between(1024, 67108864));
     layers.option("--lights", "N", a.lights,
                   "Lights that stand for the environment; 0: none, reflections hold all light. "
-                  "Default: 16",
+                  "Default: 16, or 32 if its light comes from broad parts of it, as a sky's does",
                   CLI::Range(0u, 1000u));
     layers.option("--noise", "DB", a.noise,
                   "PSNR that the noise of diffuse light has; up to 16 times the paths of --spp are "
