@@ -142,6 +142,12 @@ public:
     // Takes 6 bytes of memory per texel of the atlas.
     AtlasMips(const SurfaceMesh& mesh, const TileGrid& grid);
 
+    // The count() of those mips, without making them, and the side of a mip of an atlas with this side.
+    static unsigned count_of(const SurfaceMesh& mesh, const TileGrid& grid);
+    static std::uint32_t side_of(std::uint32_t side, unsigned mip) {
+        return ((side - 1) >> mip) + 1;
+    }
+
     // The number of mips besides the atlas.
     unsigned count() const { return static_cast<unsigned>(levels_.size()) - 1; }
     std::array<std::uint32_t, 2> size(unsigned mip) const { return levels_[mip].size; }

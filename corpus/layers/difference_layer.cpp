@@ -12,6 +12,8 @@ namespace tessera::corpus {
 namespace {
 
 constexpr std::uint64_t difference_paths = 0x64696666;
+// Glass mirrors the same light in the layers, so that few paths do for it.
+constexpr unsigned one_mirrored_of = 4;
 constexpr double least_difference = 0.01; // root of the mean square that is worth a layer
 
 // What a display would show if it had some more light than white, up to the value `most`. Noisy
@@ -51,7 +53,8 @@ struct DifferencePaths {
 // A place of a cell and what does not depend on the view there.
 struct CellPlace {
     ModelSurfacePlace at;
-    LitPoint bare;           // as layers have it
+    LitPoint bare; // as layers have it
+    bool mirrors_as_bare = false;
     glm::dvec3 diffuse{0.0}; // its diffuse light, and what all layers have without highlights
     glm::dvec3 constant{0.0};
 };
@@ -74,6 +77,7 @@ public:
             const Lobes lobes = nearest(point.lobes);
             place.bare = point;
             place.bare.lobes = {.facing = lobes.facing, .alpha = lobes.alpha};
+            place.mirrors_as_bare = !reflects_by_coats(point.lobes) && point.lobes.grazing == 1.0;
             const auto arriving = light.diffuse(glm::dvec2(texel[0] + 0.5, texel[1] + 0.5) + offset,
                                                 place.at.chart, point.normal);
             if (!arriving)
@@ -89,17 +93,30 @@ public:
         const TexelPaths paths(mix_bits(paths_.seed), static_cast<unsigned>(places_.size()),
                                paths_.separate ? x : 0, paths_.separate ? y : 0);
         const double s = (x + 0.5) / side, t = (y + 0.5) / side;
-        glm::dvec3 all(0.0), layers(0.0);
+        glm::dvec3 all(0.0), layers(0.0), both(0.0);
+        unsigned alike = 0, mirrored = 0;
         for (std::size_t i = 0; i < places_.size(); ++i) {
             const CellPlace& place = places_[i];
             const glm::dvec3 view = mirrored_view(place.at.frame, s, t);
             const LitPoint point = Tracer::facing(place.at.point, view);
             PathRandom random = paths[static_cast<unsigned>(i)], same = random;
-            all += place.diffuse * below_coats(point, view) + place.at.point.emission +
-                   tracer_.specular(point, view, random);
-            layers +=
-                place.constant + place.at.point.emission + tracer_.specular(place.bare, view, same);
+            all += place.diffuse * below_coats(point, view) + place.at.point.emission;
+            layers += place.constant + place.at.point.emission;
+            if (!place.mirrors_as_bare) {
+                all += tracer_.specular(point, view, random);
+                layers += tracer_.specular(place.bare, view, same);
+                continue;
+            }
+            all += tracer_.transmitted(point, view, random);
+            if (alike++ % one_mirrored_of == 0) {
+                both += tracer_.specular(place.bare, view, same);
+                ++mirrored;
+            }
         }
+        if (mirrored > 0)
+            both *= static_cast<double>(alike) / mirrored;
+        all += both;
+        layers += both;
         const double factor =
             exposure_ / std::max<double>(1.0, static_cast<double>(places_.size()));
         glm::vec3 change;

@@ -151,7 +151,8 @@ std::list<EnvironmentPatch> split(const Cells& cells, std::optional<unsigned> co
 
 } // namespace
 
-DistantLights::DistantLights(const ModelLight& light, std::optional<unsigned> count) {
+DistantLights::DistantLights(const ModelLight& light, std::optional<unsigned> count)
+    : cosines_(row_cosines(rows)) {
     const Cells cells = cells_of(*light.environment);
     for (const EnvironmentPatch& patch : split(cells, count)) {
         if (!(patch.sum.brightness > 0.0))
@@ -207,7 +208,8 @@ DistantLights::Sample DistantLights::sample(std::size_t number, const glm::dvec2
     const auto [y, along_y] = sample_sums(part.brightness, random.y * part.brightness.back());
     const Row& row = part.rows[y];
     const auto [x, along_x] = sample_sums(row.brightness, random.x * row.brightness.back());
-    return {direction_in_cell(row.x0 + x, row.y, columns, rows, {along_x, along_y}), row.light[x]};
+    return {direction_in_cell(row.x0 + x, row.y, columns, cosines_, {along_x, along_y}),
+            row.light[x]};
 }
 
 } // namespace tessera::corpus

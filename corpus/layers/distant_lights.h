@@ -44,6 +44,7 @@ private:
         std::vector<Row> rows;          // none without spread
     };
 
+    std::vector<double> cosines_; // of the rows of the picture
     std::vector<Part> parts_;
 };
 

@@ -50,11 +50,14 @@ public:
         }
     }
 
-    // The mean light around a direction, over a patch of this many steradians.
-    glm::dvec3 light(const glm::dvec3& direction, double angle) const {
+    // Which mip has texels of this many steradians.
+    double mip_of(double angle) const {
         const double finest = pi / mips_.front().height;
-        const double mip = std::clamp(std::log2(std::sqrt(angle) / finest), 0.0,
-                                      static_cast<double>(mips_.size() - 1));
+        return std::clamp(std::log2(std::sqrt(angle) / finest), 0.0,
+                          static_cast<double>(mips_.size() - 1));
+    }
+    // The mean light around a direction, over a patch as large as the texels of this mip.
+    glm::dvec3 light(const glm::dvec3& direction, double mip) const {
         const auto first = static_cast<std::size_t>(mip);
         const glm::dvec2 place{std::atan2(direction.z, direction.x) / (2.0 * pi) + 0.5,
                                std::acos(std::clamp(direction.y, -1.0, 1.0)) / pi};
@@ -84,15 +87,16 @@ private:
     std::vector<Mip> mips_;
 };
 
-// A direction of light in a lobe around z, its weight, and the solid angle that it stands for.
+// A direction of light in a lobe around z, its weight, and the mip for the solid angle that it stands
+// for.
 struct LobeSample {
     glm::dvec3 direction{0.0};
-    double weight = 0, angle = 0;
+    double weight = 0, mip = 0;
 };
 
 // Samples whose density follows the lobe, and whose light is read from mips (Krivanek and Colbert,
 // "Real-time shading with filtered importance sampling", 2008). The lobe is seen along the normal.
-std::vector<LobeSample> samples_of(double roughness) {
+std::vector<LobeSample> samples_of(const EnvironmentMips& mips, double roughness) {
     const glm::dvec3 z(0.0, 0.0, 1.0);
     const double alpha = std::max(roughness * roughness, 1e-4);
     std::vector<LobeSample> samples;
@@ -105,7 +109,7 @@ std::vector<LobeSample> samples_of(double roughness) {
         if (l.z <= 0.0)
             continue;
         const double density = ggx_density(alpha, std::sqrt(0.5 * (1.0 + l.z)), 1.0);
-        samples.push_back({l, l.z, 1.0 / (lobe_samples * density)});
+        samples.push_back({l, l.z, mips.mip_of(1.0 / (lobe_samples * density))});
         weights += l.z;
     }
     for (LobeSample& sample : samples)
@@ -177,7 +181,7 @@ Result<LayerTexture> bake_environment_layer(const Environment& environment,
     const EnvironmentMips mips(environment);
     std::vector<std::vector<LobeSample>> samples;
     for (const double roughness : roughnesses)
-        samples.push_back(samples_of(roughness));
+        samples.push_back(samples_of(mips, roughness));
     LightTexels seen(texel_count(whole), glm::vec3(0.0f));
     TESSERA_TRY(for_rows("baking the environment", side, run, [&](std::uint32_t t) {
         for (std::uint32_t s = 0; s < side; ++s) {
@@ -191,7 +195,7 @@ Result<LayerTexture> bake_environment_layer(const Environment& environment,
                 glm::dvec3 sum(0.0);
                 for (const LobeSample& sample : samples[lobe]) {
                     const glm::dvec3& l = sample.direction;
-                    sum += sample.weight * mips.light(x * l.x + y * l.y + z * l.z, sample.angle);
+                    sum += sample.weight * mips.light(x * l.x + y * l.y + z * l.z, sample.mip);
                 }
                 seen[(std::size_t{lobe} * side + t) * side + s] = glm::vec3(sum * options.exposure);
             }

@@ -23,7 +23,8 @@ public:
           size_(places.texel_places().size()), blocks_{(size_[0] + block_side - 1) / block_side,
                                                        (size_[1] + block_side - 1) / block_side},
           noisy_(std::size_t{blocks_[0]} * blocks_[1], 1), halves_(places.texels()),
-          colours_(places.texels(), glm::vec3(0.0f)), normals_(places.texels(), glm::vec3(0.0f)) {
+          colours_(places.texels(), glm::vec3(0.0f)), normals_(places.texels(), glm::vec3(0.0f)),
+          open_paths_(places.texels(), 0) {
         light_.light.resize(places.texels());
     }
 
@@ -76,7 +77,10 @@ private:
         ArrivingLight<glm::dvec3> sum;
         const auto incoming = [&](PathRandom& random) {
             const LitPoint point = open_.smooth_place(places_, u, v, random.next2()).point;
-            return tracer_.incoming_of_model(point, options_.toward_emitters, random);
+            const Tracer::Incoming found =
+                tracer_.incoming_of_model(point, options_.toward_emitters, random);
+            open_paths_[at] += found.leaves_model ? 1 : 0;
+            return found;
         };
         const auto halves = add_halves(randoms, paths, middle, incoming, sum);
         for (std::size_t half = 0; half < 2; ++half)
@@ -90,6 +94,13 @@ private:
         for (glm::length_t c = 0; c < 3; ++c)
             x[c] = linear_to_srgb(x[c]);
         return x;
+    }
+
+    // How much the noise of a texel counts: the share of directions from which observers outside the
+    // model see it, but not less than a part, because observers may be inside a room.
+    double seen_share(std::size_t at) const {
+        constexpr double least = 0.25;
+        return std::max(open_paths_[at] / (2.0 * halves_[at].paths), least);
     }
 
     // Finds the blocks that are noisier than allowed.
@@ -106,7 +117,7 @@ private:
                     const auto [a, b] = filter.filtered(u, v);
                     const glm::dvec3 error = (shown(at, a) - shown(at, b)) / 2.0;
                     const std::size_t block = std::size_t{y} * blocks_[0] + u / block_side;
-                    errors[block] += glm::dot(error, error) / 3.0;
+                    errors[block] += seen_share(at) * glm::dot(error, error) / 3.0;
                     ++counts[block];
                 }
         }));
@@ -123,17 +134,14 @@ private:
     Status apply(const LightFilter& filter) {
         std::vector<ArrivingLight<glm::vec3>> all(light_.light.size());
         TESSERA_TRY(for_rows("filtering light", size_[1], run_, [&](std::uint32_t v) {
-            std::array<float, LightFilter::window> shares;
+            std::vector<LightFilter::Share> shares;
             for (std::uint32_t u = 0; u < size_[0]; ++u) {
                 const std::size_t at = index(u, v);
                 if (halves_[at].paths == 0)
                     continue;
-                shares.fill(0.0f);
-                const auto [a, b] = filter.filtered(u, v, shares);
-                filter.visit(u, v, LightFilter::reach, [&](std::size_t q, int x, int y) {
-                    if (const float share = shares[LightFilter::slot(x, y)]; share != 0.0f)
-                        all[at].add(light_.light[q], share);
-                });
+                const auto [a, b] = filter.filtered(u, v, &shares);
+                for (const auto& [texel, share] : shares)
+                    all[at].add(light_.light[texel], share);
                 all[at].diffuse = (a + b) / 2.0f;
             }
         }));
@@ -152,7 +160,8 @@ private:
     std::vector<std::uint8_t> noisy_; // blocks that need more paths
     std::vector<NoisyLight> halves_;
     std::vector<glm::vec3> colours_, normals_;
-    GatheredLight light_; // sums over the paths
+    std::vector<std::uint32_t> open_paths_; // how many leave the model
+    GatheredLight light_;                   // sums over the paths
 };
 
 } // namespace

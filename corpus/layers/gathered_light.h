@@ -19,12 +19,13 @@ struct GatherOptions {
 // Per texel of an atlas; without what Tracer::incoming_of_emitters() finds.
 struct GatheredLight {
     std::vector<ArrivingLight<glm::vec3>> light;
-    // The squared error of what a display shows, as estimated: the mean over all places.
+    // The squared error of what a display shows, as estimated: the mean over all places, of which
+    // those that are seen from few directions count less.
     double noise = 0;
 };
 
 // `charts` and `direct`, the diffuse light that arrives otherwise, are per texel. Blocks of texels
-// that are too noisy get more paths; then LightFilter filters all. Memory while it runs: 340 bytes
+// that are too noisy get more paths; then LightFilter filters all. Memory while it runs: 344 bytes
 // per texel. Errors: those of for_rows().
 Result<GatheredLight> gather_light(const ModelPlaces& places, const OpenPlaces& open,
                                    const Tracer& tracer, std::span<const std::uint32_t> charts,

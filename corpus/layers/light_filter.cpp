@@ -3,9 +3,10 @@
 namespace tessera::corpus {
 namespace {
 
-// Of the window from which guides are blurred.
-constexpr std::uint32_t guide_reach = 2;
-constexpr float facing_alike = 0.8f; // cosine between normals
+constexpr std::uint32_t reach = 6; // of the window whose light is averaged
+constexpr std::size_t window = std::size_t{2 * reach + 1} * (2 * reach + 1);
+constexpr std::uint32_t guide_reach = 2; // of the window from which guides are blurred
+constexpr float facing_alike = 0.8f;     // cosine between normals
 
 float mean_square(const glm::vec3& x) {
     return glm::dot(x, x) / 3.0f;
@@ -51,7 +52,7 @@ Result<LightFilter> LightFilter::make(const Texels2& size, std::span<const Noisy
 }
 
 std::array<glm::vec3, 2> LightFilter::filtered(std::uint32_t u, std::uint32_t v,
-                                               std::span<float> shares) const {
+                                               std::vector<Share>* shares) const {
     constexpr float most_deviations = 3.0f, never_differs = 0.004f;
     constexpr float narrow = 0.25f; // square texels; narrower sums have no slope
     constexpr float wide = (reach + 1.0f) * (reach + 1.0f);
@@ -106,6 +107,8 @@ std::array<glm::vec3, 2> LightFilter::filtered(std::uint32_t u, std::uint32_t v,
         const glm::vec3 row{xx * yy - m.xy * m.xy, m.xy * m.y - m.x * yy, m.x * m.xy - xx * m.y};
         plane[h] = row / (m.one * row.x + m.x * row.y + m.y * row.z);
     }
+    if (shares)
+        shares->clear();
     for (std::size_t i = 0; i < count; ++i) {
         const Weighted& w = all[i];
         float both = 0;
@@ -114,8 +117,8 @@ std::array<glm::vec3, 2> LightFilter::filtered(std::uint32_t u, std::uint32_t v,
             sums[h] += share * light_[w.texel].halves[h];
             both += share;
         }
-        if (!shares.empty())
-            shares[slot(static_cast<int>(w.x), static_cast<int>(w.y))] = both / 4.0f;
+        if (shares)
+            shares->push_back({w.texel, both / 4.0f});
     }
     for (glm::vec3& sum : sums)
         sum = glm::max(sum, 0.0f);

@@ -27,9 +27,6 @@ struct NoisyLight {
 // Immutable and thread-safe. Memory: 28 bytes per texel.
 class LightFilter {
 public:
-    static constexpr std::uint32_t reach = 6;
-    static constexpr std::size_t row = 2 * reach + 1, window = row * row;
-
     // Which texel shows the place (x, y) texels from texel (u, v), beyond its chart.
     using Beside =
         std::function<std::optional<Texels2>(std::uint32_t u, std::uint32_t v, int x, int y)>;
@@ -41,14 +38,25 @@ public:
                                     std::span<const glm::vec3> normals, const BakeRun& run,
                                     Beside beside = {});
 
-    // The mean light of each half. `shares`, if not empty, has `window` zeros, which are replaced by
-    // the shares of the paths of the texels around (u, v) in the mean of both halves; they may be
-    // negative. Precondition: light is known there.
+    // The share of a texel's paths in the mean of both halves. It may be negative.
+    struct Share {
+        std::size_t texel = 0;
+        float share = 0;
+    };
+    // The mean light of each half. Those of the texels around (u, v) replace `shares`, unless it is
+    // null. Precondition: light is known there.
     std::array<glm::vec3, 2> filtered(std::uint32_t u, std::uint32_t v,
-                                      std::span<float> shares = {}) const;
-    static std::size_t slot(int x, int y) {
-        return static_cast<std::size_t>((y + static_cast<int>(reach)) * static_cast<int>(row) + x +
-                                        static_cast<int>(reach));
+                                      std::vector<Share>* shares = nullptr) const;
+
+private:
+    struct Guide {
+        std::array<glm::vec3, 2> halves{glm::vec3(0.0f), glm::vec3(0.0f)}; // blurred
+        float variance = 0;                                                // of each of them
+    };
+
+    LightFilter() = default;
+    std::size_t index(std::uint32_t u, std::uint32_t v) const {
+        return std::size_t{v} * size_[0] + u;
     }
     // Calls visit(texel, x, y) for the texels up to `far` texels away, where light is known; (x, y)
     // is the way to them. Beyond the chart they are those of the charts that continue it.
@@ -73,17 +81,6 @@ public:
                     if (const std::size_t q = index((*other)[0], (*other)[1]); light_[q].paths > 0)
                         visit(q, x, y);
             }
-    }
-
-private:
-    struct Guide {
-        std::array<glm::vec3, 2> halves{glm::vec3(0.0f), glm::vec3(0.0f)}; // blurred
-        float variance = 0;                                                // of each of them
-    };
-
-    LightFilter() = default;
-    std::size_t index(std::uint32_t u, std::uint32_t v) const {
-        return std::size_t{v} * size_[0] + u;
     }
 
     Texels2 size_{0, 0};

@@ -12,8 +12,7 @@ namespace {
 // Places of a texel at which its material is read.
 constexpr std::array<glm::dvec2, 4> material_places{
     {{-0.25, -0.25}, {0.25, -0.25}, {-0.25, 0.25}, {0.25, 0.25}}};
-constexpr double most_light = 1.0;          // of a display
-constexpr unsigned transmission_paths = 16; // at each of the places of a texel
+constexpr double most_light = 1.0; // of a display
 constexpr std::uint64_t transmission_sequence = 0x74726E73;
 
 struct PlaceMaterial {
@@ -30,6 +29,8 @@ std::optional<PlaceMaterial> material_of(const ModelPlaces& fine, const PlaceLig
     PlaceMaterial sum;
     double lit = 0;
     constexpr double share = 1.0 / material_places.size();
+    constexpr unsigned paths_of_place = transmission_paths / material_places.size();
+    unsigned next_path = 0; // the places share the paths of one
     for (const glm::dvec2& offset : material_places) {
         ModelSurfacePlace at = fine.place(u, v, offset);
         at.point.opacity = 1.0; // layers hold the light of the surface itself
@@ -41,7 +42,9 @@ std::optional<PlaceMaterial> material_of(const ModelPlaces& fine, const PlaceLig
             ++lit;
         }
         sum.emission += share * at.point.emission;
-        sum.emission += share * mean_transmitted(tracer, at.point, exposure);
+        sum.emission +=
+            share * mean_transmitted(tracer, at.point, exposure, next_path, paths_of_place);
+        next_path += paths_of_place;
         sum.specular += share * lobes.facing;
         sum.roughness += share * std::sqrt(lobes.alpha);
         sum.normal += share * glm::dvec2(glm::dot(at.point.normal, at.frame.ex),
@@ -141,17 +144,18 @@ bool needs_emission(const Model& model) {
 
 } // namespace
 
-glm::dvec3 mean_transmitted(const Tracer& tracer, const LitPoint& point, double exposure) {
+glm::dvec3 mean_transmitted(const Tracer& tracer, const LitPoint& point, double exposure,
+                            unsigned first, unsigned count) {
     if (point.lobes.coats.through == glm::dvec3(0.0))
         return glm::dvec3(0.0);
     glm::dvec3 sum(0.0);
-    for (unsigned i = 0; i < transmission_paths; ++i) {
+    for (unsigned i = first; i < first + count; ++i) {
         PathRandom random(mix_bits(transmission_sequence), i);
         const glm::dvec3 view = sample_cosine(point.normal, random.next2());
         sum += glm::min(tracer.transmitted(Tracer::facing(point, view), view, random),
                         most_light / exposure);
     }
-    return sum / static_cast<double>(transmission_paths);
+    return sum / static_cast<double>(count);
 }
 
 bool mirrors_light(const Model& model) {
@@ -209,16 +213,17 @@ bake_material_layers(const ModelPlaces& fine, const PlaceLight& light, const Tra
         }
     }));
     store_light(diffuse, leaving, most_light);
-    store_light(emission, emitted, most_light);
-    emission.quality_change = quality_for_emission(emission, emitted, leaving);
     std::vector<LayerTexture> layers;
     layers.push_back(std::move(diffuse));
     if (masked)
         layers.push_back(std::move(coverage));
     if (opacity)
         layers.push_back(std::move(*opacity));
-    if (needs_emission(model))
+    if (needs_emission(model)) {
+        store_light(emission, emitted, most_light);
+        emission.quality_change = quality_for_emission(emission, emitted, leaving);
         layers.push_back(std::move(emission));
+    }
     if (mirrors_light(model))
         for (LayerTexture* layer : {&specular, &roughness, &normal})
             layers.push_back(std::move(*layer));

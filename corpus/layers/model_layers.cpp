@@ -35,7 +35,7 @@ double normals_agree(const ModelAtlas& atlas) {
 // Rounded positions move edges, which all views show, and few triangles take few bytes. A bit
 // halves the error of all edges, and its bytes grow with the triangles. The error shows more where
 // observers come nearer than the size of the model suggests.
-unsigned position_bits(const Model& model, const ViewedScale& viewed,
+unsigned position_bits(const Model& model, bool is_sharp, const ViewedScale& viewed,
                        const ModelLayersOptions& options) {
     constexpr double many = 95'000, most = 16; // the first: FlightHelmet, in 11 bits
     constexpr double usual_nearest = 0.125;    // of the extent
@@ -44,7 +44,7 @@ unsigned position_bits(const Model& model, const ViewedScale& viewed,
     const double bits = options.position_bits + std::floor(0.5 * std::log2(std::max(fewer, 1.0)));
     const double near_bits = std::floor(std::log2(std::max(nearer, 1.0)));
     return std::max(static_cast<unsigned>(std::min(bits, most) + near_bits),
-                    reflects_sharply(model) ? options.sharp_position_bits : 0u);
+                    is_sharp ? options.sharp_position_bits : 0u);
 }
 
 // The mesh has the model's normals where those that readers compute differ from them. Without them,
@@ -67,6 +67,7 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     const ViewedScale viewed(whole);
     const std::optional<Model> cut = with_cut_triangles(whole, viewed);
     const Model& model = cut ? *cut : whole;
+    const ModelMirrors mirrors(model);
     ModelAtlasOptions layout;
     layout.viewed = &viewed;
     LayerDensity density = layer_density(
@@ -81,7 +82,7 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     // Whole tiles of the finest layers. Those of other sides would begin at odd texels, across
     // charts, and without mips.
     layout.side_step = std::max(LayerTexture().tile[axis_u] / light_texel, 1u);
-    layout.position_bits = position_bits(model, viewed, options);
+    layout.position_bits = position_bits(model, mirrors.is_sharp(), viewed, options);
     TESSERA_TRY_ASSIGN(ModelAtlas atlas, make_layer_atlas(model, layout, options.normal_bits));
     ModelLayers out;
     out.mesh = atlas.stream;
@@ -95,12 +96,12 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     const bool stored = options.lights != 0u;
     const DistantLights lights(light, stored ? options.lights : std::nullopt);
     const NearestLobes nearest(light);
-    const bool mirrors = mirrors_light(model);
-    if (stored && mirrors)
+    const bool is_lit = mirrors_light(model);
+    if (stored && is_lit)
         out.lights = lights.lights(options.exposure);
     PlaceLightOptions gathering = options.light;
     gathering.exposure = options.exposure;
-    if (!mirrors) { // unlit: nothing multiplies the light, but texels need to know that some arrives
+    if (!is_lit) { // unlit: nothing multiplies the light, but texels need to know that some arrives
         gathering.diffuse_samples = gathering.emitter_samples = 2;
         gathering.shadow_samples = gathering.most_times = 1;
     }
@@ -109,15 +110,14 @@ Result<ModelLayers> bake_model_layers(const Model& whole, const ModelLight& ligh
     out.noise = places.noise();
     TESSERA_TRY_ASSIGN(out.layers, bake_material_layers(fine, places, tracer, nearest, light_texel,
                                                         options.exposure, options.run));
-    if (!mirrors)
+    if (!is_lit)
         return out;
     const Texels2 texels = fine.texel_places().size();
-    const ReflectionLayout mirrored =
-        reflection_layout(model, static_cast<double>(texels[0]) * texels[1]);
+    const ReflectionLayout mirrored = mirrors.layout(static_cast<double>(texels[0]) * texels[1]);
     const std::uint32_t cell = std::max(mirrored.texel / light_texel, 1u);
     for (LayerTexture& layer : out.layers)
         if (layer.role == LayerRole::normal)
-            layer.quality_change = normal_quality_change(sharp_share(model));
+            layer.quality_change = normal_quality_change(mirrors.sharp_share());
     if (!out.lights.empty()) {
         TESSERA_TRY_ASSIGN(
             LayerTexture visibility,

@@ -15,12 +15,12 @@ struct ModelLayersOptions {
     double density = 0; // texels per world unit; 0: such that the surface has `texels`
     std::optional<unsigned> lights{}; // else as many as DistantLights takes; 0: none in the file
     std::optional<std::uint32_t> light_texel{}; // else that of layer_density()
-    std::optional<Texels2> directions{}; // of the reflection; else those of reflection_layout()
+    std::optional<Texels2> directions{}; // of the reflection; else those of ModelMirrors::layout()
     unsigned samples = 64;               // paths per texel of the reflection, on rough surfaces
     PlaceLightOptions light;
     double exposure = 1.0;
     unsigned position_bits = 11;       // at least; models of few triangles get more
-    unsigned sharp_position_bits = 14; // at least, if it reflects_sharply()
+    unsigned sharp_position_bits = 14; // at least, if it has sharp mirrors
     unsigned normal_bits = 6;          // if the mesh has normals
     BakeRun run;
 };

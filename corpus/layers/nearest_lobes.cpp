@@ -197,13 +197,13 @@ double mean_light(const Environment& environment) {
     return sum / (4.0 * std::numbers::pi * count);
 }
 
+} // namespace
+
 bool reflects_by_coats(const Lobes& lobes) {
     const Coats& coats = lobes.coats;
     return lobes.has_coats && (coats.clear > 0.0 || coats.sheen != glm::dvec3(0.0) ||
                                coats.along_alpha > 0.0 || coats.film > 0.0);
 }
-
-} // namespace
 
 bool differs_by_coats(const Lobes& lobes) {
     constexpr double sharp_alpha = 0.0225; // a roughness of 0.15

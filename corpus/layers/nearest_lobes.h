@@ -9,6 +9,9 @@
 
 namespace tessera::corpus {
 
+// Whether coats change how the place reflects light.
+bool reflects_by_coats(const Lobes& lobes);
+
 // Whether the place reflects or passes light otherwise than its lobes without coats, more smoothly than
 // a mirror does: the colours of a film on a mirror are as sharp as what it mirrors.
 bool differs_by_coats(const Lobes& lobes);

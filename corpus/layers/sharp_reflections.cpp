@@ -41,28 +41,6 @@ Mirror mirror_of(const Model& model, const ModelMaterial& m) {
             m.roughness * mean_of(model, texture, 1)};
 }
 
-// The share of the surface's reflectance for which counts(its material) is true.
-template <class Counts> double share_of(const Model& model, const Counts& counts) {
-    std::vector<Mirror> mirrors;
-    for (const ModelMaterial& material : model.materials)
-        mirrors.push_back(mirror_of(model, material));
-    double all = 0, counted = 0;
-    for (const ModelTriangle& triangle : model.triangles) {
-        const Mirror& mirror = mirrors[triangle.material];
-        const double reflects = glm::length(area_vector(model, triangle)) * mirror.reflectance;
-        all += reflects;
-        if (counts(mirror))
-            counted += reflects;
-    }
-    return all > 0.0 ? counted / all : 0.0;
-}
-
-bool is_mostly_metal(const Model& model) {
-    return share_of(model, [](const Mirror& m) {
-               return m.reflectance > metal && m.roughness <= most_metal_roughness;
-           }) > least_metal_share;
-}
-
 bool has_lamps(const Model& model) {
     return std::ranges::any_of(model.triangles, [&](const ModelTriangle& triangle) {
         return is_lamp(model.materials[triangle.material]);
@@ -71,31 +49,57 @@ bool has_lamps(const Model& model) {
 
 } // namespace
 
-double sharp_share(const Model& model) {
-    return share_of(model, [](const Mirror& m) { return m.roughness <= most_roughness; });
+ModelMirrors::ModelMirrors(const Model& model) : has_lamps_(has_lamps(model)) {
+    std::vector<Mirror> mirrors;
+    for (const ModelMaterial& material : model.materials)
+        mirrors.push_back(mirror_of(model, material));
+    double all = 0, sharp = 0, sharp_metal = 0, smooth_metal = 0;
+    for (const ModelTriangle& triangle : model.triangles) {
+        const Mirror& mirror = mirrors[triangle.material];
+        const double reflects = glm::length(area_vector(model, triangle)) * mirror.reflectance;
+        all += reflects;
+        const bool is_sharp = mirror.roughness <= most_roughness;
+        const bool is_metal = mirror.reflectance > metal;
+        if (is_sharp)
+            sharp += reflects;
+        if (is_sharp && is_metal)
+            sharp_metal += reflects;
+        if (is_metal && mirror.roughness <= most_metal_roughness)
+            smooth_metal += reflects;
+    }
+    if (!(all > 0.0))
+        return;
+    sharp_share_ = sharp / all;
+    sharp_metal_share_ = sharp_metal / all;
+    smooth_metal_share_ = smooth_metal / all;
 }
 
-bool reflects_sharply(const Model& model) {
-    return sharp_share(model) > least_share;
+bool ModelMirrors::is_sharp() const {
+    return sharp_share_ > least_share;
 }
 
 // Images of the model itself change from place to place, so that many places with coarse steps show
 // them better than few with fine ones. On smooth metal, each further path adds edges that all have
 // to be coded. Rough metal has noise instead.
-ReflectionLayout reflection_layout(const Model& model, double texels) {
-    constexpr double most_sharp_places = 40'000, most_metal_places = 10'000; // of the whole atlas
+// What other materials mirror is dim, and takes fewer directions and places.
+ReflectionLayout ModelMirrors::layout(double texels) const {
+    constexpr double most_sharp_places = 40'000, most_metal_places = 10'000, // of the whole atlas
+        most_dim_places = 2'500;
     ReflectionLayout layout{.texel = 2, .directions = 24, .many_places = true};
     double most_places = most_sharp_places;
-    if (reflects_sharply(model)) {
+    if (sharp_metal_share_ > least_share) {
         layout.fewer_paths = 16;
         layout.quality_change = -10.0;
-    } else if (is_mostly_metal(model)) {
+    } else if (smooth_metal_share_ > least_metal_share) {
         layout.fewer_paths = 8;
         layout.quality_change = -16.0;
         most_places = most_metal_places;
+    } else if (is_sharp()) {
+        layout = {.texel = 2, .directions = 16, .fewer_paths = 8, .quality_change = -6.0};
+        most_places = most_dim_places;
     } else {
-        return has_lamps(model) ? ReflectionLayout{.directions = 16, .fewer_paths = 2}
-                                : ReflectionLayout();
+        return has_lamps_ ? ReflectionLayout{.directions = 16, .fewer_paths = 2}
+                          : ReflectionLayout();
     }
     while (texels > most_places * layout.texel * layout.texel)
         layout.texel *= 2;

@@ -38,7 +38,8 @@ Status check(LightImage& image) {
 
 } // namespace
 
-Environment::Environment(LightImage image) : image_(std::move(image)) {
+Environment::Environment(LightImage image)
+    : image_(std::move(image)), cosines_(row_cosines(image_.height)) {
     const std::size_t w = image_.width, h = image_.height;
     const auto brightness = [&](std::size_t x, std::size_t y) {
         const glm::vec3& t = image_.texels[y * w + x];
@@ -110,20 +111,18 @@ glm::dvec3 Environment::light(const glm::dvec3& direction) const {
 }
 
 LightSample Environment::sample(const glm::dvec2& random) const {
-    const std::size_t w = image_.width, h = image_.height;
+    const std::size_t w = image_.width;
     const auto [y, along_y] = sample_sums(rows_, random.y * rows_.back());
     const std::span<const double> row = std::span(cells_).subspan(y * w, w);
     const auto [x, along_x] = sample_sums(row, random.x * row.back());
-    const glm::dvec3 d = direction_in_cell(x, y, w, h, {along_x, along_y});
+    const glm::dvec3 d = direction_in_cell(x, y, w, cosines_, {along_x, along_y});
     return {d, light(d), cell_density(x, y)};
 }
 
 double Environment::cell_density(std::size_t x, std::size_t y) const {
-    const std::size_t w = image_.width, h = image_.height;
+    const std::size_t w = image_.width;
     const double weight = cells_[y * w + x] - (x == 0 ? 0.0 : cells_[y * w + x - 1]);
-    const double area = 2.0 * pi / static_cast<double>(w) *
-                        (std::cos(pi * static_cast<double>(y) / static_cast<double>(h)) -
-                         std::cos(pi * static_cast<double>(y + 1) / static_cast<double>(h)));
+    const double area = 2.0 * pi / static_cast<double>(w) * (cosines_[y] - cosines_[y + 1]);
     return weight / rows_.back() / area;
 }
 

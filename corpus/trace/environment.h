@@ -34,8 +34,9 @@ private:
     double cell_density(std::size_t x, std::size_t y) const;
 
     LightImage image_;
-    std::vector<double> rows_;  // for each row the sum of the weights of all rows up to it
-    std::vector<double> cells_; // the same along each row
+    std::vector<double> cosines_; // of its rows
+    std::vector<double> rows_;    // for each row the sum of the weights of all rows up to it
+    std::vector<double> cells_;   // the same along each row
 };
 
 } // namespace tessera::corpus

@@ -2,6 +2,8 @@
 
 #include "corpus/trace/material_at.h"
 
+#include <algorithm>
+
 namespace tessera::corpus {
 namespace {
 
@@ -13,9 +15,18 @@ bool is_glass(const ModelMaterial& m) {
     return m.coats && m.coats->through > 0.0;
 }
 
+// Places of less alpha are cut out.
+double least_alpha(const ModelMaterial& m) {
+    return m.blends ? least_opacity : m.cutoff;
+}
+
+bool may_be_cut_out(const ModelMaterial& m) {
+    return least_alpha(m) > 0.0;
+}
+
 bool cut_out(const Model& model, const ModelPlace& place) {
     const ModelMaterial& m = model.materials[model.triangles[place.triangle].material];
-    const double least = m.blends ? least_opacity : m.cutoff;
+    const double least = least_alpha(m);
     return least > 0.0 && alpha_at(model, m, interpolated_at(model, place)) < least;
 }
 
@@ -31,15 +42,18 @@ Result<std::shared_ptr<const RayModel>> RayModel::make(Model model) {
     std::vector<std::array<std::uint32_t, 3>> triangles;
     for (const ModelTriangle& t : made->model_.triangles)
         triangles.push_back(t.vertices);
-    const auto passes = [&m = made->model_](std::uint32_t triangle, const glm::dvec2& barycentric) {
-        return cut_out(m, {triangle, barycentric});
-    };
+    RayScene::Passes passes;
+    if (std::ranges::any_of(made->model_.materials, may_be_cut_out))
+        passes = [&m = made->model_](std::uint32_t triangle, const glm::dvec2& barycentric) {
+            return cut_out(m, {triangle, barycentric});
+        };
     for (const ModelTriangle& t : made->model_.triangles) {
         const ModelMaterial& m = made->model_.materials[t.material];
         made->has_glass_ |= is_glass(m);
         made->has_blending_ |= m.blends;
     }
-    TESSERA_TRY_ASSIGN(made->fronts_, RayScene::make(positions, triangles, true, passes));
+    TESSERA_TRY_ASSIGN(made->fronts_,
+                       RayScene::make(positions, triangles, true, std::move(passes)));
     TESSERA_TRY_ASSIGN(made->all_, RayScene::make(positions, triangles, false));
     return std::shared_ptr<const RayModel>(std::move(made));
 }

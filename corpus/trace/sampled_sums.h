@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 #include <numbers>
 #include <span>
+#include <vector>
 
 namespace tessera::corpus {
 
@@ -25,17 +26,24 @@ inline SampledSum sample_sums(std::span<const double> sums, double x) {
     return {i, std::clamp((x - before) / (sums[i] - before), 0.0, 1.0)};
 }
 
-// A direction of the cell (x, y) of a picture of longitude and latitude with `width` times `height`
-// cells. y is up. Even in solid angle if `within`, in 0..1, is even.
+// The cosines of the angles from the pole of the borders of the rows of a picture of longitude and
+// latitude with so many rows. y is up.
+inline std::vector<double> row_cosines(std::size_t rows) {
+    std::vector<double> cosines;
+    for (std::size_t y = 0; y <= rows; ++y)
+        cosines.push_back(
+            std::cos(std::numbers::pi * static_cast<double>(y) / static_cast<double>(rows)));
+    return cosines;
+}
+
+// A direction of the cell (x, y) of such a picture with `width` columns. Even in solid angle if
+// `within`, in 0..1, is even.
 inline glm::dvec3 direction_in_cell(std::size_t x, std::size_t y, std::size_t width,
-                                    std::size_t height, const glm::dvec2& within) {
-    constexpr double pi = std::numbers::pi;
-    const double top = std::cos(pi * static_cast<double>(y) / static_cast<double>(height));
-    const double bottom = std::cos(pi * static_cast<double>(y + 1) / static_cast<double>(height));
-    const double up = top + (bottom - top) * within.y;
+                                    std::span<const double> cosines, const glm::dvec2& within) {
+    const double up = cosines[y] + (cosines[y + 1] - cosines[y]) * within.y;
     const double flat = std::sqrt(std::max(0.0, 1.0 - up * up));
-    const double round =
-        2.0 * pi * ((static_cast<double>(x) + within.x) / static_cast<double>(width) - 0.5);
+    const double round = 2.0 * std::numbers::pi *
+                         ((static_cast<double>(x) + within.x) / static_cast<double>(width) - 0.5);
     return {flat * std::cos(round), up, flat * std::sin(round)};
 }
 

@@ -237,8 +237,10 @@ Tracer::Incoming Tracer::incoming_of_model(const LitPoint& point, double toward_
     if (!is_above(point, found.direction))
         return found;
     const Hit hit = next_hit(start, found.direction, random);
-    if (!hit)
+    if (!hit) {
+        found.leaves_model = true;
         return found;
+    }
     found.density = cosine_density(glm::dot(point.normal, found.direction));
     found.light = arriving(start, found.direction, hit,
                            emitters_.empty() ? infinite : found.density / toward_emitters, 1.0,

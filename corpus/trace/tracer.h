@@ -68,7 +68,8 @@ public:
     // specular light along `view`.
     struct Incoming {
         glm::dvec3 direction{0.0}, light{0.0};
-        double density = 0; // per steradian
+        double density = 0;        // per steradian
+        bool leaves_model = false; // meets nothing
     };
     Incoming incoming(const LitPoint& point, PathRandom& random) const;
     // The light of the model alone that reaches the point, from two kinds of samples: its mean is

@@ -1,5 +1,5 @@
 // Words that GLSL and C++ define differently. The decoder's files compile as both, because tests
-// build and fuzz them as C++ with GLM: tests/support/shader_machine.h gives these words their C++
+// build and fuzz them as C++ with GLM: tests/support/shader_machine.cpp gives these words their C++
 // meaning.
 #ifndef TSR_DIALECT
 #define TSR_DIALECT

@@ -41,10 +41,6 @@ bool covers_too_much(const SurfaceMesh& mesh, const Extent4& size) {
                          (atlas + 65536.0 + 9.0 * static_cast<double>(mesh.triangles.size()));
 }
 
-std::uint32_t halved(std::uint32_t extent, unsigned times) {
-    return ((extent - 1) >> times) + 1;
-}
-
 // Union-find over vertices: all vertices that triangles connect get the same number.
 class JoinedVertices {
 public:
@@ -89,11 +85,16 @@ std::uint32_t most_frequent(std::vector<std::uint32_t>& charts) {
 
 } // namespace
 
+unsigned AtlasMips::count_of(const SurfaceMesh& mesh, const TileGrid& grid) {
+    const unsigned mips = halvings(grid);
+    return mips == 0 || covers_too_much(mesh, grid.size()) ? 0 : mips;
+}
+
 AtlasMips::AtlasMips(const SurfaceMesh& mesh, const TileGrid& grid)
     : size_(grid.size()), kept_(grid.size()) {
     levels_[0].size = {size_[axis_u], size_[axis_v]};
-    const unsigned mips = halvings(grid);
-    if (mips == 0 || covers_too_much(mesh, size_))
+    const unsigned mips = count_of(mesh, grid);
+    if (mips == 0)
         return;
     kept_ = kept_size(grid);
     levels_.resize(mips + 1);
@@ -113,8 +114,8 @@ Extent4 AtlasMips::kept_size(const TileGrid& grid) {
         return kept;
     std::uint32_t below = 0;
     for (unsigned mip = 1; mip <= count; ++mip)
-        below += halved(kept[axis_v], mip);
-    kept[axis_u] += halved(kept[axis_u], 1);
+        below += side_of(kept[axis_v], mip);
+    kept[axis_u] += side_of(kept[axis_u], 1);
     kept[axis_v] = std::max(kept[axis_v], below);
     // Whole tiles of the largest extent keep the tiles of the atlas in place.
     for (const std::size_t axis : {axis_u, axis_v}) {
@@ -149,7 +150,7 @@ void AtlasMips::find_charts(const SurfaceMesh& mesh) {
 void AtlasMips::halve(unsigned mip) {
     Level& level = levels_[mip];
     for (std::size_t a = 0; a < 2; ++a)
-        level.size[a] = halved(levels_[0].size[a], mip);
+        level.size[a] = side_of(levels_[0].size[a], mip);
     std::vector<std::uint32_t> square;
     for (std::uint32_t y = 0; y < level.size[1]; ++y)
         for (std::uint32_t x = 0; x < level.size[0]; ++x) {

@@ -1,6 +1,9 @@
 // Tests the pose in which glTF files rest: skins and morph targets.
 #include "tests/support/gltf_fixture.h"
 
+#include <draco/compression/encode.h>
+#include <draco/mesh/mesh.h>
+
 namespace tessera::corpus {
 namespace {
 
@@ -55,6 +58,54 @@ TEST_F(GltfPose, SkinsMoveVertices) {
     expect_near(places[0], {2, 0, 0});
     expect_near(places[1], {3, 0, 0});
     expect_near(places[2], {3, 1, 4});
+}
+
+// A triangle as a Draco stream of positions, joints and weights, whose ids are 0, 1 and 2.
+std::vector<std::uint32_t> draco_triangle(const std::vector<float>& positions,
+                                          const std::vector<float>& joints,
+                                          const std::vector<float>& weights) {
+    draco::Mesh mesh;
+    mesh.set_num_points(3);
+    mesh.AddFace({draco::PointIndex(0), draco::PointIndex(1), draco::PointIndex(2)});
+    const auto add = [&](draco::GeometryAttribute::Type type, std::uint8_t components,
+                         const std::vector<float>& values) {
+        draco::GeometryAttribute form;
+        form.Init(type, nullptr, components, draco::DT_FLOAT32, false, components * sizeof(float),
+                  0);
+        const int id = mesh.AddAttribute(form, true, 3);
+        for (std::uint32_t i = 0; i < 3; ++i)
+            mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(i),
+                                                  &values[i * components]);
+    };
+    add(draco::GeometryAttribute::POSITION, 3, positions);
+    add(draco::GeometryAttribute::GENERIC, 4, joints);
+    add(draco::GeometryAttribute::GENERIC, 4, weights);
+    draco::Encoder encoder;
+    encoder.SetEncodingMethod(draco::MESH_SEQUENTIAL_ENCODING);
+    draco::EncoderBuffer stream;
+    EXPECT_TRUE(encoder.EncodeMeshToBuffer(mesh, &stream).ok());
+    std::vector<std::uint32_t> words((stream.size() + 3) / 4);
+    std::memcpy(words.data(), stream.data(), stream.size());
+    return words;
+}
+
+// The stream's values count, not those of the accessors beside it: all places are 10 higher, and the
+// first vertex follows node 2, too.
+TEST_F(GltfPose, SkinsOfDracoMoveVertices) {
+    GltfText text = skinned(R"("translation":[3,0,0])", R"("translation":[0,0,4])");
+    const std::vector<std::uint32_t> words =
+        draco_triangle({0, 10, 0, 1, 10, 0, 0, 11, 0}, {1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0},
+                       {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+    const std::string size = std::to_string(4 * words.size());
+    text.buffers += R"(,{"byteLength":)" + size +
+                    R"(,"uri":"data:application/octet-stream;base64,)" + base64_of(words) + R"("})";
+    text.views += R"(,{"buffer":3,"byteLength":)" + size + "}";
+    text.primitive = R"(,"extensions":{"KHR_draco_mesh_compression":{"bufferView":5,"attributes":)"
+                     R"({"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2}}})";
+    const auto places = corners(text);
+    expect_near(places[0], {3, 10, 4});
+    expect_near(places[1], {3, 10, 0});
+    expect_near(places[2], {3, 11, 4});
 }
 
 // A skeleton that mirrors turns no triangle inside out.

@@ -55,10 +55,10 @@ TEST(MirrorLayers, SharpReflectionsGetMorePlacesAndDirections) {
     Model model = cube_model();
     model.materials[0].metal = 1.0;
     model.materials[0].roughness = 0.5;
-    EXPECT_FALSE(reflects_sharply(model));
+    EXPECT_FALSE(ModelMirrors(model).is_sharp());
     const ModelLayers rough = baked(model, white_light(), quick());
     model.materials[0].roughness = 0.1;
-    EXPECT_TRUE(reflects_sharply(model));
+    EXPECT_TRUE(ModelMirrors(model).is_sharp());
     ModelLayersOptions options = quick();
     const ModelLayers smooth = baked(model, white_light(), options);
     const Extent4 few = layer(rough, LayerRole::reflection).desc.size;
@@ -72,11 +72,11 @@ TEST(MirrorLayers, SharpReflectionsGetMorePlacesAndDirections) {
     // A picture can make a material rough.
     model.images.push_back({1, 1, {{255, 255, 255, 255}}});
     model.materials[0].metal_roughness_texture.image = 0;
-    EXPECT_TRUE(reflects_sharply(model));
+    EXPECT_TRUE(ModelMirrors(model).is_sharp());
     model.materials[0].roughness = 1.0;
-    EXPECT_FALSE(reflects_sharply(model));
+    EXPECT_FALSE(ModelMirrors(model).is_sharp());
     model.images[0].texels[0][1] = 25;
-    EXPECT_TRUE(reflects_sharply(model));
+    EXPECT_TRUE(ModelMirrors(model).is_sharp());
 }
 
 // Metal shows itself. What is sharp needs more places, and noise must not be coded.
@@ -86,7 +86,7 @@ TEST(MirrorLayers, ReflectionsOfMetalHaveManyPlaces) {
     model.materials[0].metal = 1.0;
     const auto layout_of = [&](double roughness) {
         model.materials[0].roughness = roughness;
-        return reflection_layout(model, texels);
+        return ModelMirrors(model).layout(texels);
     };
     const ReflectionLayout sharp = layout_of(0.2), smooth = layout_of(0.3), rough = layout_of(0.4);
     EXPECT_LT(sharp.texel, smooth.texel);
@@ -101,6 +101,10 @@ TEST(MirrorLayers, ReflectionsOfMetalHaveManyPlaces) {
     EXPECT_FALSE(rough.many_places);
     model.materials[0].metal = 0.0; // reflects little
     EXPECT_FALSE(layout_of(0.3).many_places);
+    const ReflectionLayout dim = layout_of(0.2);
+    EXPECT_FALSE(dim.many_places);
+    EXPECT_LE(texels / (dim.texel * dim.texel), 2'500);
+    EXPECT_EQ(dim.directions, 16u);
 }
 
 // Errors of normals bend what mirrors show.
@@ -127,10 +131,10 @@ TEST(MirrorLayers, NormalsAreAsExactAsMirrorsAreCommon) {
 // Lamps have edges in reflections that are not sharp, too.
 TEST(MirrorLayers, ReflectionsOfModelsWithLampsHaveMoreDirections) {
     Model model = cube_model();
-    EXPECT_EQ(reflection_layout(model, 1000).directions, 8u);
+    EXPECT_EQ(ModelMirrors(model).layout(1000).directions, 8u);
     model.materials[0].emission = glm::dvec3(0.0, 2.0, 0.0);
-    EXPECT_EQ(reflection_layout(model, 1000).directions, 16u);
-    EXPECT_EQ(reflection_layout(model, 1000).texel, ReflectionLayout().texel);
+    EXPECT_EQ(ModelMirrors(model).layout(1000).directions, 16u);
+    EXPECT_EQ(ModelMirrors(model).layout(1000).texel, ReflectionLayout().texel);
 }
 
 // A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one

@@ -142,6 +142,25 @@ TEST_F(PlyModels, FirstMaterialOfPly) {
     EXPECT_NEAR(m.roughness, std::pow(2.0 / 152.0, 0.25), 1e-9);
 }
 
+// Some tools name the colours of vertices as those of materials.
+TEST_F(PlyModels, VertexColoursOfPly) {
+    for (const std::string name : {"", "diffuse_"}) {
+        const auto model = load(
+            "a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                     "property float y\nproperty float z\nproperty uchar " +
+                         name + "red\nproperty uchar " + name + "green\nproperty uchar " + name +
+                         "blue\nelement face 1\nproperty list uchar int vertex_indices\n"
+                         "end_header\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n");
+        ASSERT_TRUE(model.ok()) << model.status().message();
+        for (glm::length_t k = 0; k < 3; ++k) {
+            glm::vec4 colour(0, 0, 0, 1);
+            colour[k] = 1.0f;
+            const auto corner = static_cast<std::size_t>(k);
+            EXPECT_EQ(model->vertices[model->triangles[0].vertices[corner]].colour, colour) << name;
+        }
+    }
+}
+
 // A line feed is data where the header's lines end otherwise or the number begins with one.
 TEST_F(PlyModels, BinaryPlyWhoseDataBeginsWithALineFeed) {
     for (const std::string end : {"\n", "\r\n", "\r"}) {

@@ -206,5 +206,29 @@ TEST(Transmission, LightThatPassesAClearWallIsNotOfTheModel) {
     EXPECT_NEAR(tracer.unblocked(floor, -below).x, 1.0, 1e-3);
 }
 
+// Paths of the floor pass beside a roof that is small.
+TEST(Transmission, SaysWhichPathsLeaveTheModel) {
+    Model model;
+    model.materials = {ModelMaterial(), ModelMaterial()};
+    add_square(model, 1, 0, false, 0);
+    const auto leaves = [&] {
+        const Tracer tracer = tracer_of(model, white_light());
+        const LitPoint floor = tracer.model().point({0, {0.5, 0.5}});
+        unsigned count = 0;
+        for (unsigned i = 0; i < 1024; ++i) {
+            PathRandom random(5, i);
+            count += tracer.incoming_of_model(floor, 1.0, random).leaves_model ? 1 : 0;
+        }
+        return count;
+    };
+    EXPECT_EQ(leaves(), 1024u);
+    add_square(model, 2, 1, true, 1);
+    const unsigned beside = leaves();
+    EXPECT_GT(beside, 100u);
+    EXPECT_LT(beside, 800u);
+    add_square(model, 1000, 2, true, 1);
+    EXPECT_LT(leaves(), 10u);
+}
+
 } // namespace
 } // namespace tessera::corpus

@@ -1,5 +1,5 @@
 // Decodes arbitrary bytes as tile payloads with the shaders and with the CPU's TileDecoder, and
-// checks that both agree. Include it in only one source of a program, like shader_machine.h.
+// checks that both agree.
 #pragma once
 
 #include "codec/reconstruct/tile_decoder.h"
@@ -96,6 +96,11 @@ public:
             texels += static_cast<std::uint64_t>(shape_of_tile(slot).texels());
         }
         return painted_pixels() == texels ? "" : "texels between the tiles";
+    }
+
+    // The same for the first tile alone.
+    std::string check_one(const Payload& payload) {
+        return check(std::vector<Payload>{payload}, Layout());
     }
 
     // Like check(), but changes the batch's words first. The texels are then undefined, and texels

@@ -79,6 +79,10 @@ struct Surface {
     std::unique_ptr<ByteSource> bytes{};
 };
 
+Status lies_on_no_mesh(const GlbInput& input) {
+    return {ErrorCode::unsupported, input.name + ": does not lie on a mesh; " + needs_mesh};
+}
+
 Status check_has_mesh(const GlbInput& input) {
     std::unique_ptr<ByteSource> source;
     if (!input.bytes.empty()) {
@@ -87,9 +91,7 @@ Status check_has_mesh(const GlbInput& input) {
         TESSERA_TRY_ASSIGN(source, open_tess_bytes(input.name, "convert"));
     }
     TESSERA_TRY_ASSIGN(const auto container, ContainerReader::open(*source));
-    if (container.description().proxy == Proxy::mesh)
-        return {};
-    return {ErrorCode::unsupported, input.name + ": does not lie on a mesh; " + needs_mesh};
+    return container.description().proxy == Proxy::mesh ? Status() : lies_on_no_mesh(input);
 }
 
 Result<Surface> open_surface(const GlbInput& input, const GlbOptions& options) {
@@ -101,6 +103,8 @@ Result<Surface> open_surface(const GlbInput& input, const GlbOptions& options) {
     drawing.progress = options.progress;
     TESSERA_TRY_ASSIGN(Stage stage, set_up_stage(request, drawing));
     TESSERA_TRY_ASSIGN(const auto on_mesh, mesh_surface(stage.decoder->container()));
+    if (!on_mesh)
+        return lies_on_no_mesh(input);
     Surface surface{.mesh = {on_mesh->mesh, gltf_tangents(on_mesh->mesh)}};
     TESSERA_TRY_ASSIGN(surface.picture, mean_picture(stage, on_mesh->mesh, options, drawing));
     const bool blends = has_layer(stage, LayerRole::opacity);

@@ -122,26 +122,25 @@ void add_triangles(const SurfaceMesh& mesh, Bytes& out) {
 
 // Width and height of the picture of charts: the atlas, with its mips to the right, one below the
 // other.
-std::array<std::uint32_t, 2> chart_picture_size(const AtlasMips& mips) {
+std::array<std::uint32_t, 2> chart_picture_size(const Extent4& atlas, unsigned mips) {
     std::uint32_t below = 0;
-    for (unsigned mip = 1; mip <= mips.count(); ++mip)
-        below += mips.size(mip)[1];
-    return {mips.size(0)[0] + mips.size(1)[0], std::max(mips.size(0)[1], below)};
+    for (unsigned mip = 1; mip <= mips; ++mip)
+        below += AtlasMips::side_of(atlas[axis_v], mip);
+    return {atlas[axis_u] + AtlasMips::side_of(atlas[axis_u], 1), std::max(atlas[axis_v], below)};
 }
 
 // Practically all WebGL devices allow textures with sides of 8192 texels.
-bool fits_a_browser(const AtlasMips& mips) {
-    if (mips.count() == 0)
-        return false;
-    const auto [width, height] = chart_picture_size(mips);
+bool fits_a_browser(const Extent4& atlas, unsigned mips) {
+    const auto [width, height] = chart_picture_size(atlas, mips);
     return width <= 8192 && height <= 8192;
 }
 
 // The atlas that `tiles` divides.
 nlohmann::json about_atlas(const SurfaceMesh& mesh, const TileGrid& tiles) {
-    const AtlasMips mips(mesh, tiles);
-    return {{"mips", fits_a_browser(mips) ? mips.count() : 0},
-            {"atlas", {tiles.size()[axis_u], tiles.size()[axis_v]}}};
+    const Extent4& size = tiles.size();
+    const unsigned mips = AtlasMips::count_of(mesh, tiles);
+    return {{"mips", mips > 0 && fits_a_browser(size, mips) ? mips : 0},
+            {"atlas", {size[axis_u], size[axis_v]}}};
 }
 
 // Whether two grids give the same texels in the atlas and the same mips.

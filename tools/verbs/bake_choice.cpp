@@ -43,7 +43,7 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
     if (choice.layered) {
         const corpus::LayerDensity density = corpus::layer_density(model, texels_asked(a, model));
         const double texels = density.texels;
-        const corpus::ReflectionLayout mirrored = corpus::reflection_layout(model, texels);
+        const corpus::ReflectionLayout mirrored = corpus::ModelMirrors(model).layout(texels);
         const double cell = mirrored.texel, place = density.light_texel;
         const double directions = static_cast<double>(mirrored.directions) * mirrored.directions;
         const double paths =

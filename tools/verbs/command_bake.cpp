@@ -256,7 +256,8 @@ void declare(CLI::App& c, BakeCommand& a) {
                   CLI::Range(0u, 1000u));
     layers.option("--noise", "DB", a.noise,
                   "PSNR that the noise of diffuse light has; up to 16 times the paths of --spp are "
-                  "traced where it is less. Default: 45",
+                  "traced where it is less. Places that are seen from few directions may have up "
+                  "to 6 dB less. Default: 45",
                   number_between(10, 80));
     add_glb_options(c, a.glb);
 }

@@ -11,13 +11,25 @@ script=$(dirname "$0")/cycles_truth.py
 exposure=0.0005 # The brightest lamp reaches 1,700.
 mkdir -p "$out"
 
-# compare NAME MODEL EYE LOOK MATERIALS-TO-OMIT options of bake...
+# Sets the model of a name, its camera and options of bake.
+select_model() {
+    options=
+    case $1 in
+    cornell*) model=$models/CornellBox.glb eye=-278,274.4,955.6 look=-278,274.4,-279.6 ;;
+    teapot*) model=$models/teapot.obj eye=5.943,5.392,5.727 look=0.217,1.575,0 options='--metal 1 --roughness 0.1' ;;
+    alpha*) model=$models/AlphaBlendModeTest.glb eye=0,1.744,7.632 look=0,1.099,-0.1 ;;
+    sunglasses*) model=$models/SunglassesKhronos.glb eye=0.0608,0.0896,0.106 look=0,0.0288,-0.0764 ;;
+    helmet*) model=$models/FlightHelmet/FlightHelmet.gltf eye=0.2443,0.5218,0.9844 look=-0.02035,0.358,0.01419 ;;
+    esac
+}
+
+# compare NAME [MATERIALS-TO-OMIT]
 compare() {
-    name=$1 model=$2 eye=$3 look=$4 omitted=$5
-    shift 5
+    name=$1 omitted=${2:-}
+    select_model "$name"
     # The truth needs only the .tess's metadata, so its texture is tiny.
     "$tool" bake "$model" -o "$out/$name.tess" --layered --texels 4000 --effort 0 \
-        --spp 1 --env "$environment" --exposure $exposure -q "$@"
+        --spp 1 --env "$environment" --exposure $exposure -q $options
     # One ray at each of 4x4 places per pixel: the script joins them in linear light.
     "$tool" render "$out/$name.tess" -o "$out/$name.exr" --eye "$eye" --look "$look" --pixels 800x600 --rays 1 \
         --truth "$model" --truth-spp $((paths / 16)) --write-all -q
@@ -30,23 +42,24 @@ compare() {
     done
 }
 
-compare cornell "$models/CornellBox.glb" -278,274.4,955.6 -278,274.4,-279.6 ''
-compare teapot "$models/teapot.obj" 5.943,5.392,5.727 0.217,1.575,0 '' --metal 1 --roughness 0.1
-compare alpha "$models/AlphaBlendModeTest.glb" 0,1.744,7.632 0,1.099,-0.1 ''
-compare alpha-unblended "$models/AlphaBlendModeTest.glb" 0,1.744,7.632 0,1.099,-0.1 MatBlend
-compare sunglasses "$models/SunglassesKhronos.glb" 0.0608,0.0896,0.106 0,0.0288,-0.0764 lens_interior,lens_exterior,nose_pads
-compare helmet "$models/FlightHelmet/FlightHelmet.gltf" 0.2443,0.5218,0.9844 -0.02035,0.358,0.01419 LensesMat
+compare cornell
+compare teapot
+compare alpha
+compare alpha-unblended MatBlend
+compare sunglasses lens_interior,lens_exterior,nose_pads
+compare helmet LensesMat
 
-# The table of times: speed NAME MODEL EYE LOOK, after compare
+# The table of times: speed NAME [EYE], after compare
 speed() {
+    select_model "$1"
     printf '%s\n' "$1"
-    blender -b --python-exit-code 1 -P "$(dirname "$0")/cycles_speed.py" -- "$tool" "$out/$1.tess" "$2" \
-        "$environment" "$3" "$4" $exposure 128 > "$out/$1-speed.log"
+    blender -b --python-exit-code 1 -P "$(dirname "$0")/cycles_speed.py" -- "$tool" "$out/$1.tess" "$model" \
+        "$environment" "${2:-$eye}" "$look" $exposure 128 > "$out/$1-speed.log"
     grep noise "$out/$1-speed.log"
 }
 
-speed cornell "$models/CornellBox.glb" -278,274.4,955.6 -278,274.4,-279.6
-speed teapot "$models/teapot.obj" 5.943,5.392,5.727 0.217,1.575,0
-speed alpha "$models/AlphaBlendModeTest.glb" 0,1.744,7.632 0,1.099,-0.1
-speed sunglasses "$models/SunglassesKhronos.glb" 0.0304,0.0592,0.0148 0,0.0288,-0.0764
-speed helmet "$models/FlightHelmet/FlightHelmet.gltf" 0.2443,0.5218,0.9844 -0.02035,0.358,0.01419
+speed cornell
+speed teapot
+speed alpha
+speed sunglasses 0.0304,0.0592,0.0148 # nearer
+speed helmet
