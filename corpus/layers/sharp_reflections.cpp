@@ -88,7 +88,7 @@ ReflectionLayout reflection_layout(const Model& model, double texels) {
     double most_places = most_sharp_places;
     if (reflects_sharply(model)) {
         layout.fewer_paths = 16;
-        layout.quality_change = -10.0;
+        layout.quality_change = -14.0;
     } else if (is_mostly_metal(model)) {
         layout.fewer_paths = 8;
         layout.quality_change = -16.0;
