@@ -16,18 +16,30 @@ constexpr double most_reflection = 64.0; // times white
 // The brightest texels are noise of rare paths. If they set the scale, all others lose precision.
 constexpr double noisy_share = 1e-3;
 
+// The light of which a surface that reflects so much at normal incidence shows three times white. A
+// display cannot show more, but interpolation would spread brighter texels over dark neighbours. The
+// margin is for the noise of few paths, whose mean must not become too dark. Channels that hardly
+// reflect do not set the scale of all.
+glm::dvec3 shown_light(const glm::dvec3& reflectance) {
+    constexpr double most_shown = 3.0, least_share = 0.25, least_reflectance = 0.02;
+    const double most = std::max({reflectance.x, reflectance.y, reflectance.z, least_reflectance});
+    return most_shown / glm::max(reflectance, least_share * most);
+}
+
 // The mean light from the mirrored direction (s, t) at the texels, weighted by their specular lobe:
-// what they mirror, divided by what they would mirror of white light.
+// what they mirror, divided by what they would mirror of white light. At most what a display can show
+// of it where they reflect least.
 glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& places,
                          const OpenPlaces& open, const Tracer& tracer, const NearestLobes& nearest,
                          const ReflectionOptions& options, double s, double t) {
-    glm::dvec3 sum(0.0), weights(0.0);
+    glm::dvec3 sum(0.0), weights(0.0), least(1.0);
     for (unsigned i = 0; i < options.samples; ++i) {
         PathRandom random(mix_bits(options.seed + reflection_paths), i);
         const Texels2& texel = chosen_place(texels, random.next());
         ModelSurfacePlace at = open.smooth_place(places, texel[0], texel[1], random.next2());
         const glm::dvec3 view = mirrored_view(at.frame, s, t);
         const Lobes lobes = nearest(at.point.lobes);
+        least = glm::min(least, lobes.facing);
         at.point.lobes = {.facing = lobes.facing, .alpha = lobes.alpha, .grazing = lobes.grazing};
         at.point.opacity = 1.0;
         const SpecularLobe lobe{at.point, view};
@@ -36,7 +48,7 @@ glm::dvec3 reflection_at(const std::vector<Texels2>& texels, const ModelPlaces& 
         sum += options.distant ? tracer.specular(at.point, view, random)
                                : tracer.specular_of_model(at.point, view, random);
     }
-    return sum * options.exposure / glm::max(weights, 1e-6);
+    return glm::min(sum * options.exposure / glm::max(weights, 1e-6), shown_light(least));
 }
 
 // Dim reflections need less precision: an error of a sample is multiplied by the scale.

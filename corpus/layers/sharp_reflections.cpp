@@ -89,7 +89,7 @@ ReflectionLayout ModelMirrors::layout(double texels) const {
     double most_places = most_sharp_places;
     if (sharp_metal_share_ > least_share) {
         layout.fewer_paths = 16;
-        layout.quality_change = -10.0;
+        layout.quality_change = -14.0;
     } else if (smooth_metal_share_ > least_metal_share) {
         layout.fewer_paths = 8;
         layout.quality_change = -16.0;

@@ -137,6 +137,42 @@ TEST(MirrorLayers, ReflectionsOfModelsWithLampsHaveMoreDirections) {
     EXPECT_EQ(ModelMirrors(model).layout(1000).texel, ReflectionLayout().texel);
 }
 
+// Light that a display shows as white would only spread over its neighbours if it were brighter.
+// Surfaces that reflect little, also in some places of a texel, need bright light to show as much.
+TEST(MirrorLayers, ReflectionsAreNotMuchBrighterThanADisplayShows) {
+    Model model; // a square below a lamp
+    model.materials.resize(2);
+    model.materials[0].roughness = 0.1;
+    model.materials[1].emission = glm::dvec3(40.0);
+    add_square(model, 1.0f, 0.0f, false, 0);
+    add_square(model, 1.0f, 1.0f, true, 1);
+    ModelLayersOptions options = quick();
+    options.texels = 1000;
+    options.light.diffuse_samples = 1;
+    options.directions = Texels2{8, 8};
+    options.lights = 0;
+    const auto brightest = [&](double metal, const glm::dvec3& base) {
+        model.materials[0].metal = metal;
+        model.materials[0].base = glm::dvec4(base, 1.0);
+        const ModelLayers layers = baked(model, white_light(), options);
+        const LayerTexture& reflection = layer(layers, LayerRole::reflection);
+        glm::dvec3 most(0.0);
+        for (std::size_t i = 0; i < reflection.texels.size(); ++i) {
+            double& channel = most[static_cast<glm::length_t>(i % 3)];
+            const double shown = std::to_integer<int>(reflection.texels[i]) / 255.0;
+            channel = std::max(channel, reflection.scale * srgb_to_linear(shown));
+        }
+        return most;
+    };
+    const glm::dvec3 grey = brightest(1.0, glm::dvec3(0.5));
+    EXPECT_NEAR(grey.x, 6.0, 0.1);
+    const glm::dvec3 gold = brightest(1.0, {1.0, 0.75, 0.1});
+    EXPECT_NEAR(gold.x, 3.0, 0.1);
+    EXPECT_NEAR(gold.y, 4.0, 0.1);
+    EXPECT_NEAR(gold.z, 12.0, 0.1); // as if it reflected a quarter
+    EXPECT_GT(brightest(0.0, glm::dvec3(0.5)).x, 30.0);
+}
+
 // A uniform environment looks the same everywhere. A wide lobe blurs an edge that a narrow one
 // keeps.
 TEST(EnvironmentLayer, LobesBlurTheEnvironment) {
