@@ -70,11 +70,18 @@ vec3 tsr_facing_normal(vec3 normal, vec3 view) {
 
 // The specular light of a light source that is not blocked.
 vec3 tsr_light_of(TsrReflectance r, TsrLight light) {
-    float nl = dot(r.normal, light.direction);
     float nv = dot(r.normal, r.view);
-    if (nl <= 0.0f || nv <= 0.0f)
+    // The part of the light that is above the horizon, with the names of FORMAT.md; p is doubled.
+    float k = clamp(10.0f * r.roughness - 1.5f, 0.0f, 1.0f);
+    float p = 2.0f * k * light.spread;
+    float z = dot(r.normal, light.direction);
+    float above = min(0.6f + z / max(1.5f * p, 1e-6f), 1.0f);
+    if (min(above, nv) <= 0.0f)
         return vec3(0.0f);
-    vec3 h = normalize(light.direction + r.view);
+    float up = 0.5f * (z + sqrt(z * z + p * p));
+    vec3 l = normalize(light.direction + (up - z) * r.normal);
+    float nl = max(dot(r.normal, l), 0.0f);
+    vec3 h = normalize(l + r.view);
     float rough = max(r.roughness, tsr_least_roughness);
     float alpha = rough * rough;
     float s2 = alpha * alpha;
@@ -82,23 +89,21 @@ vec3 tsr_light_of(TsrReflectance r, TsrLight light) {
     // Light that moves across the plane of its direction and the view turns the microfacet by more
     // than light that moves along it: aslant, a patch of light is mirrored as if it were wide.
     float along = tsr_spread_share * light.spread;
-    float stretched = clamp(10.0f * r.roughness - 1.5f, 0.0f, 1.0f);
-    float across = along / max(1.0f - stretched * (1.0f - half_cosine), 0.01f);
+    float across = along / max(1.0f - k * (1.0f - half_cosine), 0.01f);
     float along2 = min(s2 + along * along, 1.0f);
     float across2 = min(s2 + across * across, 1.0f);
     // 1 - nh^2 would lose most of its digits in a sharp highlight.
     float nh = min(dot(r.normal, h), 1.0f);
     vec3 sine = cross(r.normal, h);
-    vec3 axis = cross(light.direction, r.view);
-    float out_of_plane = dot(r.normal, axis);
-    float x2 = out_of_plane * out_of_plane / max(dot(axis, axis), 1e-12f);
+    vec3 axis = cross(l, r.view);
+    float side = dot(r.normal, axis);
+    float x2 = side * side / max(dot(axis, axis), 1e-12f);
     float root = nh * nh + max(dot(sine, sine) - x2, 0.0f) / along2 + x2 / across2;
     float density = 1.0f / (tsr_pi * sqrt(along2 * across2) * root * root);
     float visibility =
         0.5f / (nl * sqrt(s2 + (1.0f - s2) * nv * nv) + nv * sqrt(s2 + (1.0f - s2) * nl * nl));
-    float fresnel = tsr_fifth_power(1.0f - half_cosine);
-    return (r.specular + (vec3(1.0f) - r.specular) * fresnel) * (density * visibility * nl) *
-           light.irradiance;
+    return mix(r.specular, vec3(1.0f), tsr_fifth_power(1.0f - half_cosine)) *
+           (above * density * visibility * nl) * light.irradiance;
 }
 
 // The polynomial with these coefficients, in ascending order.

@@ -57,6 +57,27 @@ double fifth_power(double x) {
     return x * x * x * x * x;
 }
 
+// The part of a light that is above the horizon of a surface.
+struct PartAbove {
+    glm::dvec3 toward; // its middle, of unit length
+    double cosine;     // of the angle between that and the normal
+    double share;      // of the light that it gives
+};
+
+// Some light comes from above the horizon although its middle is below. The middle of what is above
+// rises by about as much as that of a disc would that the horizon cuts. Renderers of lamps like
+// spheres clip them there, too (Lagarde and de Rousiers, "Moving Frostbite to physically based
+// rendering", 2014).
+PartAbove part_above(const glm::dvec3& light, const glm::dvec3& normal, double spread) {
+    constexpr double share_at_horizon = 0.6, full_share = 3.0, least = 1e-6;
+    const double z = glm::dot(normal, light);
+    const double raised = 0.5 * (z + std::sqrt(z * z + 4.0 * spread * spread));
+    const glm::dvec3 middle = light + (raised - z) * normal;
+    const double length = glm::length(middle);
+    return {middle / length, raised / length,
+            std::clamp(share_at_horizon + z / std::max(full_share * spread, least), 0.0, 1.0)};
+}
+
 } // namespace
 
 glm::dvec3 blended(const glm::dvec3& light, double opacity, const glm::dvec3& behind) {
@@ -118,9 +139,10 @@ double environment_lobe(const Reflectance& reflectance, std::uint32_t lobes) {
 }
 
 glm::dvec3 Reflectance::of(const DistantLight& light) const {
-    const glm::dvec3 l(light.direction);
-    const double nl = glm::dot(normal, l), nv = glm::dot(normal, view);
-    if (nl <= 0.0 || nv <= 0.0)
+    const double stretched = stretched_share(roughness), nv = glm::dot(normal, view);
+    const auto [l, nl, above] = part_above(glm::dvec3(light.direction), normal,
+                                           stretched * static_cast<double>(light.spread));
+    if (above <= 0.0 || nv <= 0.0)
         return glm::dvec3(0.0);
     const glm::dvec3 h = glm::normalize(l + view);
     const double nh = std::min(glm::dot(normal, h), 1.0);
@@ -129,7 +151,7 @@ glm::dvec3 Reflectance::of(const DistantLight& light) const {
     // Light that moves across the plane of l and the view turns the microfacet by more than light
     // that moves along it: aslant, a patch of light is mirrored as if it were wide.
     const double along = spread_share * static_cast<double>(light.spread);
-    const double squeeze = 1.0 - stretched_share(roughness) * (1.0 - half_cosine);
+    const double squeeze = 1.0 - stretched * (1.0 - half_cosine);
     const double across = along / std::max(squeeze, least_squeeze);
     const double along2 = std::min(s2 + along * along, 1.0),
                  across2 = std::min(s2 + across * across, 1.0);
@@ -142,7 +164,7 @@ glm::dvec3 Reflectance::of(const DistantLight& light) const {
                                      nv * std::sqrt(s2 + (1.0 - s2) * nl * nl));
     const glm::dvec3 fresnel =
         specular + (glm::dvec3(1.0) - specular) * fifth_power(1.0 - half_cosine);
-    return fresnel * (density * visibility * nl) * glm::dvec3(light.irradiance);
+    return fresnel * (above * density * visibility * nl) * glm::dvec3(light.irradiance);
 }
 
 glm::dvec3 Reflectance::of_reflection() const {

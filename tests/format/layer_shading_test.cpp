@@ -98,6 +98,40 @@ TEST(LayerShading, LightsBelowTheSurfaceAreDark) {
     EXPECT_EQ(r.of({{1, 0, 0}, 0, glm::vec3(1)}), glm::dvec3(0.0));
 }
 
+// A light whose middle is a little below the horizon shines with the part that is above, if the
+// surface is not smooth: visibility is the share of that part.
+TEST(LayerShading, LightsAtTheHorizonShineInPart) {
+    constexpr double radius = 0.4;
+    const auto spread = static_cast<float>(std::sin(radius / 2));
+    Reflectance r;
+    r.specular = glm::dvec3(1.0);
+    r.roughness = 0.4;
+    r.view = glm::normalize(glm::dvec3(1, 0, 0.2));
+    for (const double below : {0.1, 0.0, -0.1}) {
+        const glm::dvec3 middle = glm::normalize(glm::dvec3(-1, 0, -below));
+        const glm::dvec3 across(0, 1, 0), along = glm::cross(middle, across);
+        double parts = 0, above = 0;
+        constexpr int rings = 30, spokes = 60;
+        for (int j = 0; j < rings; ++j)
+            for (int i = 0; i < spokes; ++i) {
+                const double off = radius * std::sqrt((j + 0.5) / rings),
+                             round = 2 * std::numbers::pi * (i + 0.5) / spokes;
+                const glm::dvec3 d = glm::normalize(
+                    middle + off * (std::cos(round) * across + std::sin(round) * along));
+                parts += r.of({glm::vec3(d), 0, glm::vec3(1)}).x / (rings * spokes);
+                above += d.z > 0.0 ? 1.0 / (rings * spokes) : 0.0;
+            }
+        const double whole = above * r.of({glm::vec3(middle), spread, glm::vec3(1)}).x;
+        EXPECT_GT(whole / parts, 0.4) << below;
+        EXPECT_LT(whole / parts, 1.3) << below;
+    }
+    const DistantLight deep{glm::normalize(glm::vec3(-1, 0, -0.8f)), spread, glm::vec3(1)};
+    EXPECT_EQ(r.of(deep), glm::dvec3(0.0));
+    r.roughness = 0.15;
+    const DistantLight low{glm::normalize(glm::vec3(-1, 0, -0.05f)), spread, glm::vec3(1)};
+    EXPECT_EQ(r.of(low), glm::dvec3(0.0));
+}
+
 TEST(LayerShading, DimLightsHaveLowPeaks) {
     const std::vector<DistantLight> lights{
         {{0, 1, 0}, 0, {0, 4, 1}}, {{0, 1, 0}, 0, {1, 0, 0}}, {{0, 1, 0}, 0, {0, 0, 1e-6f}}};

@@ -80,23 +80,27 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
     Vector seen{}, whole{}; // of the lights that the environment stands for
     for (std::size_t j = 0; j < values.lights.size(); ++j) {
         const Light& l = values.lights[j];
-        const double nl = scalar_product(n, l.direction), nd = scalar_product(n, d);
-        if (nl <= 0 || nd <= 0)
+        const double z = scalar_product(n, l.direction), nd = scalar_product(n, d);
+        const double k = std::clamp(10 * values.r - 1.5, 0.0, 1.0), p = k * l.spread;
+        const double H = std::clamp(0.6 + z / std::max(3 * p, 1e-6), 0.0, 1.0);
+        if (H == 0 || nd <= 0)
             continue;
+        const double raised = (z + std::sqrt(z * z + 4 * p * p)) / 2;
+        const Vector toward = of_unit_length(sum(l.direction, raised - z, n));
+        const double nl = scalar_product(n, toward);
         double V = 1;
         if (!values.x.empty()) {
             const double mj = std::max({l.irradiance[0], l.irradiance[1], l.irradiance[2]});
-            const double p = m > 0 ? std::max(1.0 / 51, std::sqrt(mj / m)) : 1;
-            V = std::min(1.0, values.x[j] / p);
+            const double peak = m > 0 ? std::max(1.0 / 51, std::sqrt(mj / m)) : 1;
+            V = std::min(1.0, values.x[j] / peak);
         }
-        const Vector h = of_unit_length(sum(l.direction, 1, d));
+        const Vector h = of_unit_length(sum(toward, 1, d));
         const double nh = std::min(1.0, scalar_product(n, h));
         const double wide = 0.75 * l.spread;
-        const double k = std::clamp(10 * values.r - 1.5, 0.0, 1.0);
         const double e = std::max(0.01, 1 - k * (1 - scalar_product(d, h)));
         const double A1 = std::min(1.0, a * a + wide * wide);
         const double A2 = std::min(1.0, a * a + std::pow(wide / e, 2));
-        const Vector o = vector_product(l.direction, d);
+        const Vector o = vector_product(toward, d);
         const double x = std::pow(scalar_product(n, o), 2) / std::max(1e-12, scalar_product(o, o));
         const double y = std::max(0.0, 1 - nh * nh - x);
         const double pi = 3.14159265358979323846;
@@ -106,7 +110,7 @@ Vector light_of(const LayerValues& values, const Frame& frame, const Vector& d) 
         for (std::size_t i = 0; i < 3; ++i) {
             const double F = values.G[i] + (1 - values.G[i]) *
                                                std::pow(1 - std::max(0.0, scalar_product(d, h)), 5);
-            const double S = F * Q * W * nl * l.irradiance[i];
+            const double S = H * F * Q * W * nl * l.irradiance[i];
             const bool replaced = values.has_environment && l.spread > 0;
             seen[i] += replaced ? V * S : 0;
             whole[i] += replaced ? S : 0;

@@ -145,22 +145,25 @@ export const signedValue = texel => texel.mul(255).sub(128).div(127).clamp(-1, 1
 
 // r: {normal, view, specular, roughness}; to: direction and spread of a light; irradiance: on a surface that faces it.
 export function lightOf({cross, dot, select, vec3}, r, to, irradiance) {
-    const nl = dot(r.normal, to.xyz).toVar(), nv = dot(r.normal, r.view).toVar();
-    const h = to.xyz.add(r.view).normalize().toVar();
+    const nv = dot(r.normal, r.view).toVar(), z = dot(r.normal, to.xyz).toVar();
+    const stretched = r.roughness.mul(10).sub(1.5).clamp(0, 1).toVar(), radius = to.w.mul(stretched).toVar();
+    const above = z.div(radius.mul(3).max(1e-6)).add(0.6).clamp(0, 1).toVar();
+    const raised = z.add(z.mul(z).add(radius.mul(radius).mul(4)).sqrt()).mul(0.5).toVar();
+    const middle = to.xyz.add(r.normal.mul(raised.sub(z))).toVar(), l = middle.normalize().toVar();
+    const nl = raised.div(middle.length()).toVar(), h = l.add(r.view).normalize().toVar();
     const alpha = r.roughness.max(leastRoughness).pow(2).toVar(), s2 = alpha.mul(alpha).toVar();
     const halfCosine = dot(r.view, h).clamp(0, 1).toVar(), along = to.w.mul(0.75).toVar();
-    const stretched = r.roughness.mul(10).sub(1.5).clamp(0, 1);
     const across = along.div(stretched.mul(halfCosine.oneMinus()).oneMinus().max(0.01)).toVar(), nh = dot(r.normal, h).min(1).toVar();
     const along2 = s2.add(along.mul(along)).min(1).toVar(), across2 = s2.add(across.mul(across)).min(1).toVar();
-    const axis = cross(to.xyz, r.view).toVar(), sine = cross(r.normal, h).toVar(), outOfPlane = dot(r.normal, axis).toVar();
+    const axis = cross(l, r.view).toVar(), sine = cross(r.normal, h).toVar(), outOfPlane = dot(r.normal, axis).toVar();
     const x2 = outOfPlane.mul(outOfPlane).div(dot(axis, axis).max(1e-12)).toVar();
     const root = nh.mul(nh).add(dot(sine, sine).sub(x2).max(0).div(along2)).add(x2.div(across2)).toVar();
     const density = root.mul(root).mul(along2.mul(across2).sqrt()).mul(Math.PI).reciprocal();
     const masked = (a, b) => a.mul(s2.add(s2.oneMinus().mul(b).mul(b)).sqrt());
     const visibility = masked(nl, nv).add(masked(nv, nl)).reciprocal().mul(0.5);
     const grazing = halfCosine.oneMinus().pow(5);
-    const light = r.specular.add(r.specular.oneMinus().mul(grazing)).mul(density.mul(visibility).mul(nl)).mul(irradiance);
-    return select(nl.lessThanEqual(0).or(nv.lessThanEqual(0)), vec3(0), light).toVar();
+    const light = r.specular.add(r.specular.oneMinus().mul(grazing)).mul(density.mul(visibility).mul(nl).mul(above)).mul(irradiance);
+    return select(above.lessThanEqual(0).or(nv.lessThanEqual(0)), vec3(0), light).toVar();
 }
 
 // The rows of coefficients of tsr_reflection_share(), in ascending order.
