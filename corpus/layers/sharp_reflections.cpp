@@ -92,7 +92,7 @@ ReflectionLayout ModelMirrors::layout(double texels) const {
         layout.quality_change = -14.0;
     } else if (smooth_metal_share_ > least_metal_share) {
         layout.fewer_paths = 8;
-        layout.quality_change = -16.0;
+        layout.quality_change = -14.0;
         most_places = most_metal_places;
     } else if (is_sharp()) {
         layout = {.texel = 2, .directions = 16, .fewer_paths = 8, .quality_change = -6.0};

@@ -89,10 +89,13 @@ function lightsTogether(file, count) {
     return {half, value: (u, v, s, t, c) => ofLight(u, v, 4 * s + c)};
 }
 
-// Filled up to a multiple of four lights. The last number of a light is its sample if nothing blocks it.
+// Filled up to a multiple of four lights by dark ones, whose direction must be a unit vector, too. The last number of
+// a light is its sample if nothing blocks it.
 function lightTable(lights) {
     const brightest = Math.max(0, ...lights.flatMap(({irradiance}) => irradiance));
     const count = 4 * Math.ceil(lights.length / 4), pixels = new Float32Array(8 * Math.max(count, 1));
+    for (let i = lights.length; i < count; ++i)
+        pixels[8 * i + 1] = 1;
     lights.forEach(({direction, spread, irradiance}, i) => {
         const peak = Math.max(1 / 51, brightest > 0 ? Math.sqrt(Math.max(...irradiance) / brightest) : 1);
         pixels.set([...direction, spread, ...irradiance, peak], 8 * i);
