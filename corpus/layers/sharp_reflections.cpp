@@ -85,14 +85,13 @@ bool ModelMirrors::is_sharp() const {
 ReflectionLayout ModelMirrors::layout(double texels) const {
     constexpr double most_sharp_places = 40'000, most_metal_places = 10'000, // of the whole atlas
         most_dim_places = 2'500;
-    ReflectionLayout layout{.texel = 2, .directions = 24, .many_places = true};
+    ReflectionLayout layout{
+        .texel = 2, .directions = 24, .quality_change = -14.0, .many_places = true};
     double most_places = most_sharp_places;
     if (sharp_metal_share_ > least_share) {
         layout.fewer_paths = 16;
-        layout.quality_change = -14.0;
     } else if (smooth_metal_share_ > least_metal_share) {
         layout.fewer_paths = 8;
-        layout.quality_change = -14.0;
         most_places = most_metal_places;
     } else if (is_sharp()) {
         layout = {.texel = 2, .directions = 16, .fewer_paths = 8, .quality_change = -6.0};
