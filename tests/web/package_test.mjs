@@ -109,6 +109,12 @@ execFileSync(tool, ['bake', path.join(scratch, 'box.gltf'), '-o', path.join(scra
 const glb = fs.readFileSync(path.join(scratch, 'box.glb'));
 const layered = surfaceModule.readSurface(codec.openBytes(glb));
 assert(layered.layers.length > 4 && layered.lights.count === 8);
+// Three of the eight only fill the table. A direction of length 0 would draw black surfaces.
+for (let i = 0; i < layered.lights.count; ++i) {
+    const [x, y, z, , ...rest] = layered.lights.pixels.subarray(8 * i, 8 * i + 8);
+    assert(Math.abs(Math.hypot(x, y, z) - 1) < 1e-3, `light ${i}`);
+    assert(i < 5 || rest.every(value => value === 0), `light ${i}`);
+}
 assert.deepEqual(surfaceModule.attributesOf(layered), ['normal', 'uv', 'tangent']);
 checkShaders(three.surfaceMaterial(THREE, layered));
 assert.throws(() => surfaceModule.readSurface(sphere), /mesh/);
