@@ -19,8 +19,8 @@ struct GatherOptions {
 // Per texel of an atlas; without what Tracer::incoming_of_emitters() finds.
 struct GatheredLight {
     std::vector<ArrivingLight<glm::vec3>> light;
-    // The squared error of what a display shows, as estimated: the mean over all places, of which
-    // those that are seen from few directions count less.
+    // The estimated squared error of what a display shows: the mean over all places. Places that are
+    // seen from few directions count less.
     double noise = 0;
 };
 

@@ -19,7 +19,7 @@ bake_material_layers(const ModelPlaces& fine, const PlaceLight& light, const Tra
 
 // The light from behind a surface, seen from all sides: what the layer of emission has of it. Light of
 // each side counts up to white, because a few bright lamps say little about most views. All places
-// have the same sequence of paths, of which it takes `count`.
+// share one sequence of paths; this call uses `count` of them, from `first` on.
 inline constexpr unsigned transmission_paths = 16;
 glm::dvec3 mean_transmitted(const Tracer& tracer, const LitPoint& point, double exposure,
                             unsigned first = 0, unsigned count = transmission_paths);

@@ -80,8 +80,8 @@ bool ModelMirrors::is_sharp() const {
 
 // Images of the model itself change from place to place, so that many places with coarse steps show
 // them better than few with fine ones. On smooth metal, each further path adds edges that all have
-// to be coded. Rough metal has noise instead.
-// What other materials mirror is dim, and takes fewer directions and places.
+// to be coded. Rough metal has noise instead. What other materials mirror is dim, and takes fewer
+// directions and places.
 ReflectionLayout ModelMirrors::layout(double texels) const {
     constexpr double most_sharp_places = 40'000, most_metal_places = 10'000, // of the whole atlas
         most_dim_places = 2'500;

@@ -37,7 +37,8 @@ private:
 };
 
 // Changes of the quality of other layers beside reflections of many places: of normals, for
-// ModelMirrors::sharp_share(), and of visibility with so many places along a side of a texel of reflections.
+// ModelMirrors::sharp_share(), and of visibility with so many places along a side of a texel of
+// reflections.
 double normal_quality_change(double share);
 double visibility_quality_change(std::uint32_t places);
 

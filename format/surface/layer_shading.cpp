@@ -64,10 +64,9 @@ struct PartAbove {
     double share;      // of the light that it gives
 };
 
-// Some light comes from above the horizon although its middle is below. The middle of what is above
-// rises by about as much as that of a disc would that the horizon cuts. Renderers of lamps like
-// spheres clip them there, too (Lagarde and de Rousiers, "Moving Frostbite to physically based
-// rendering", 2014).
+// Part of a light may be above the horizon although its middle is below. The middle of that part is
+// about as high as it would be for a disc that the horizon cuts. Renderers clip spherical lamps at
+// the horizon, too (Lagarde and de Rousiers, "Moving Frostbite to physically based rendering", 2014).
 PartAbove part_above(const glm::dvec3& light, const glm::dvec3& normal, double spread) {
     constexpr double share_at_horizon = 0.6, full_share = 3.0, least = 1e-6;
     const double z = glm::dot(normal, light);

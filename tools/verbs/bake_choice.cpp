@@ -46,6 +46,7 @@ void estimate(const BakeCommand& a, const corpus::Model& model, double path_seco
         const corpus::ReflectionLayout mirrored = corpus::ModelMirrors(model).layout(texels);
         const double cell = mirrored.texel, place = density.light_texel;
         const double directions = static_cast<double>(mirrored.directions) * mirrored.directions;
+        // At most: the number of lights is chosen while baking.
         const double paths =
             texels / (place * place) *
                 (4 * samples + 2.0 * a.lights.value_or(corpus::DistantLights::most)) +
